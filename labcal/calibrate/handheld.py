@@ -49,6 +49,7 @@ from labcal.correspond.matching import match
 from labcal.errors import InputError
 from labcal.run.threads import one_blas_thread
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.kept_target import target_record
 from labcal.targets.places import DotPlaces
 
 __all__ = ["HandheldSettings", "calibrate_handheld"]
@@ -264,8 +265,9 @@ def _assemble(
         )
     names = tuple(one.name for one in found)
     cameras = zip(names, adjusted.state.cameras, strict=True)
+    rig = Rig.of(dict(cameras)).model_copy(update={"target": target_record(target)})
     return HandheldCalibration(
-        rig=with_covariance(Rig.of(dict(cameras)), adjusted, sources),
+        rig=with_covariance(rig, adjusted, sources),
         fits=fits,
         rms_px=float(np.sqrt((adjusted.residual[~adjusted.outlier] ** 2).sum(axis=1).mean())),
         skipped=single.left_out,

@@ -73,7 +73,7 @@ def lens_misfit(adjusted: Adjusted, observations: Observations) -> LensMisfit | 
     """
     (camera,) = adjusted.state.cameras
     views = len(np.unique(observations.view))
-    larger = _larger(camera)
+    larger = larger_lenses(camera)
     if not larger or adjusted.layout.freedom.lenses is Lenses.FIXED:
         return None
     entered = Entered.of(adjusted, observations)
@@ -86,8 +86,8 @@ def lens_misfit(adjusted: Adjusted, observations: Observations) -> LensMisfit | 
     return min(sure, key=lambda one: one.chance, default=None)
 
 
-def _larger(camera: Camera) -> tuple[str, ...]:
-    """Return the lens models to try, each of which contains the camera's."""
+def larger_lenses(camera: Camera) -> tuple[str, ...]:
+    """Return the lens models that are tried, each of which contains the camera's; often none."""
     if camera.model.opencv is not PERSPECTIVE:
         return ()
     own = camera.model.coefficients

@@ -15,6 +15,7 @@ from labcal.cameras.camera_pair import CameraPair, camera_pair
 from labcal.cameras.expected_errors import ExpectedErrors, expected_errors
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig_covariance import RigCovariance
+from labcal.cameras.target_record import TargetRecord
 from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
@@ -54,6 +55,8 @@ class Rig(PublicObject, BaseModel):
     """Names of the views that it was calibrated from, where that is known: figures of these are no check."""
     calibration: CalibrationRecord | None = None
     """Agreement of these cameras; left out of the file if nothing is known."""
+    target: TargetRecord | None = None
+    """Target that they were calibrated with; left out if not known. It is taken where none is named."""
     covariance: RigCovariance | None = None
     """Joint covariance of lenses and poses; left out if not known: points then have the noise alone."""
 

@@ -12,6 +12,7 @@ from labcal.capture.source import CameraInfo, Frame, FrameSet
 from labcal.capture.video_file import VideoFile
 from labcal.capture.video_offset import offset_frames
 from labcal.errors import InputError
+from labcal.run.progress import Progress
 from labcal.shoot.quality import picture_quality
 from labcal.targets.catalogue import AnyTarget
 
@@ -180,7 +181,10 @@ def source_of(address: Address, settings: SourceSettings) -> Videos:
 
 
 def videos_together(
-    addresses: Sequence[Address], target: AnyTarget | None, settings: SourceSettings
+    addresses: Sequence[Address],
+    target: AnyTarget | None,
+    settings: SourceSettings,
+    progress: Progress | None = None,
 ) -> Videos:
     """Return several videos as the cameras of one rig, with the offsets between them.
 
@@ -191,6 +195,8 @@ def videos_together(
         The target by whose motion offsets are estimated.
     settings : SourceSettings
         With the offset of the second video, where it is known.
+    progress : Progress, optional
+        Of the estimation of offsets.
 
     Raises
     ------
@@ -211,5 +217,5 @@ def videos_together(
             "`target='NAME'`; or give the offset: `video_offset=FRAMES`."
         )
     first, *others = (VideoFile(Path(address.place)) for address in addresses)
-    offsets = [0.0, *(offset_frames(first, other, target) for other in others)]
+    offsets = [0.0, *(offset_frames(first, other, target, progress) for other in others)]
     return Videos(addresses, offsets, settings.every)

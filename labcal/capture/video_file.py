@@ -31,6 +31,8 @@ class VideoFile:
             raise InputError(f"There is no video {path}.")
         reader = self._reader()
         self.rate = float(reader.get(cv2.CAP_PROP_FPS))
+        self.stated_frames = max(0, int(reader.get(cv2.CAP_PROP_FRAME_COUNT)))
+        """Number of frames by its header, which may be wrong; 0 where it does not tell."""
         done, first = reader.read()
         reader.release()
         if not done or first is None:

@@ -9,6 +9,7 @@ from labcal.capture.video_file import VideoFile
 from labcal.detect.detector import detect_dots
 from labcal.errors import InputError
 from labcal.geometry.epipolar import epipolar_misfit
+from labcal.run.progress import NoProgress, Progress
 from labcal.targets.catalogue import AnyTarget
 
 LOOKED_AT_S = 10.0
@@ -29,7 +30,9 @@ Tracks = Float64[np.ndarray, "frames dots 2"]
 """Pixels of every dot of the target by frame; NaN where it was not measured."""
 
 
-def offset_frames(first: VideoFile, other: VideoFile, target: AnyTarget) -> float:
+def offset_frames(
+    first: VideoFile, other: VideoFile, target: AnyTarget, progress: Progress | None = None
+) -> float:
     """Return how many frames of the other video a moment comes later in it than in the first one.
 
     At the right offset the pixels of the dots in both videos obey one epipolar geometry, whatever the motion:
@@ -42,13 +45,17 @@ def offset_frames(first: VideoFile, other: VideoFile, target: AnyTarget) -> floa
     first, other : VideoFile
     target : AnyTarget
         The target that both see.
+    progress : Progress, optional
+        Of the frames that are looked at.
 
     Raises
     ------
     InputError
         The target is seen too seldom in both at once, or does not move enough to tell.
     """
-    ours, theirs = (_tracks(video, target) for video in (first, other))
+    report = progress or NoProgress()
+    report.start(f"time offset of {other.path.name}", _looked_at(first) + _looked_at(other))
+    ours, theirs = (_tracks(video, target, report) for video in (first, other))
     ratio = other.rate / first.rate
     reach = LONGEST_S * other.rate
     lags = np.arange(-reach, reach + _COARSE, _COARSE)
@@ -68,17 +75,29 @@ def offset_frames(first: VideoFile, other: VideoFile, target: AnyTarget) -> floa
     return float(near[int(np.nanargmin([_left_over(ours, theirs, ratio, lag) for lag in near]))])
 
 
-def _tracks(video: VideoFile, target: AnyTarget) -> Tracks:
+def _wanted(video: VideoFile) -> int:
+    """Return the number of frames that are looked at, if the video has them."""
+    return min(MOST_FRAMES, int(LOOKED_AT_S * video.rate))
+
+
+def _looked_at(video: VideoFile) -> int:
+    """Return how many of these the video has by its header."""
+    return min(_wanted(video), video.stated_frames or MOST_FRAMES)
+
+
+def _tracks(video: VideoFile, target: AnyTarget, progress: Progress) -> Tracks:
     """Return the dots of the first frames."""
-    count = min(MOST_FRAMES, int(LOOKED_AT_S * video.rate))
+    promised = _looked_at(video)
     tracks = []
-    for picture in islice(video.frames(), count):
+    for picture in islice(video.frames(), _wanted(video)):
         dots = detect_dots(picture, target)
         col, row = dots.index.T
         known = dots.has_id & (col >= 0) & (col < target.cols) & (row >= 0) & (row < target.rows)
         found = np.full((target.count, 2), np.nan)
         found[row[known] * target.cols + col[known]] = dots.position[known]
         tracks.append(found)
+        progress.advance(1 if len(tracks) <= promised else 0)
+    progress.advance(max(0, promised - len(tracks)))
     return np.array(tracks)
 
 

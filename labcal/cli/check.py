@@ -177,6 +177,7 @@ def _dots(
     arguments: Namespace, session: Session, known: "AnyTarget | None"
 ) -> "tuple[Detections, AnyTarget]":
     """Return the dots of a table, or those found in pictures, and what they are of."""
+    from labcal.cameras.rig_file import read_rig
     from labcal.cli.compiling import announce_compiling
     from labcal.correspond.detections_csv import read_detections
     from labcal.correspond.dot_source import dots_found
@@ -190,9 +191,11 @@ def _dots(
             refuse_option(arguments, name, "is for pictures; a table holds their dots")
         if arguments.changes:
             raise InputError("--set is for finding dots in pictures; a table holds them. Leave it out.")
-        return read_detections(first), known or target_shown(arguments.target, None).target
+        kept = read_rig(arguments.rig)
+        return read_detections(first), known or target_shown(arguments.target, None, rig=kept).target
     pictures = open_pictures(arguments.pictures, arguments.cameras)
-    target, settings = known or pictures.target(arguments.target), detect_settings(arguments.changes)
+    target = known or pictures.target(arguments.target, read_rig(arguments.rig))
+    settings = detect_settings(arguments.changes)
     for warning in pictures.warnings:
         session.warn(warning)
     announce_compiling(session)

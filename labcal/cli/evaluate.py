@@ -50,7 +50,8 @@ def add_parser(commands: CommandGroup) -> None:
         type=Path,
         metavar="MODEL-or-rig.json",
         help="the model or rig that the points were reconstructed with: views that it was calibrated from, "
-        "or fitted to, are not scored, or are marked; RIG-dots.json and a shoot name theirs themselves",
+        "or fitted to, are not scored, or are marked; RIG-dots.json and a shoot name theirs themselves; "
+        "without SHOOT, --target and --dots, its target's lengths are taken",
     )
     add_holdout(parser)
     add_page(parser)
@@ -70,21 +71,25 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.targets.catalogue import AnyTarget, load_target
     from labcal.targets.places import DotPlaces, read_places
 
-    if [arguments.shoot, arguments.target, arguments.dots].count(None) != 2:  # noqa: PLR2004 -- one is given
+    named = [one for one in (arguments.shoot, arguments.target, arguments.dots) if one is not None]
+    if len(named) > 1 or (not named and arguments.rig is None):
         raise InputError(
             "Give the SHOOT that the points are of or, to compare with the target's own lengths, "
-            "--target NAME or --dots RIG-dots.json: one of the three."
+            "--target NAME or --dots RIG-dots.json: one of the three; or --rig alone, for the lengths of the "
+            "target that it was calibrated with."
         )
     if arguments.page is None:
         refuse_option(arguments, "force", "replaces a page, and none is asked for")
     given = [arguments.points, arguments.shoot, arguments.dots, arguments.detections, arguments.rig]
     page = asked_page(arguments, session, given)
     points = read_points(arguments.points)
-    source: Shoot | AnyTarget | DotPlaces
+    source: Shoot | AnyTarget | DotPlaces | None = None
     if arguments.shoot is not None:
         source = open_shoot(arguments.shoot)
-    else:
-        source = read_places(arguments.dots) if arguments.dots else load_target(arguments.target)
+    elif arguments.dots is not None:
+        source = read_places(arguments.dots)
+    elif arguments.target is not None:
+        source = load_target(arguments.target)
     errors = evaluate(points, source, arguments.detections, arguments.alignment, arguments.rig, page=page)
     for warning in errors.warnings:
         session.warn(warning)

@@ -38,7 +38,10 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_marks(parser)
     parser.add_argument(
-        "--target", metavar="NAME", help="the target that lies in the frame, of --frame board:detections.csv"
+        "--target",
+        metavar="NAME",
+        help="the target that lies in the frame, of --frame board:detections.csv (default: that of the "
+        "rig's calibration)",
     )
     parser.add_argument(
         "--method",

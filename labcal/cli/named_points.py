@@ -32,7 +32,7 @@ def add_named_points(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--frame",
         metavar="KIND:NAMES-or-FILE",
-        help="frame of the named points: points:ORIGIN,ON-X,IN-PLANE; board:detections.csv with --target; "
+        help="frame of the named points: points:ORIGIN,ON-X,IN-PLANE; board:detections.csv of --target; "
         "rigid:known.csv or similarity:known.csv (columns point, X_mm, Y_mm, Z_mm and, where known, "
         "sigma_mm)",
     )

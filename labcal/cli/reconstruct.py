@@ -31,8 +31,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--target",
         metavar="NAME",
-        help="the target of the dots, for the eccentricity correction (a shoot brings its own); with named "
-        "pixels, the one of --frame board:detections.csv",
+        help="the target of the dots, for the eccentricity correction (default: that of the shoot, else that "
+        "of the rig's calibration); with named pixels, the one of --frame board:detections.csv",
     )
     parser.add_argument(
         "--method",
@@ -49,6 +49,7 @@ def add_parser(commands: CommandGroup) -> None:
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Reconstruct and write the points."""
+    from labcal.cameras.rig import Rig
     from labcal.cli.dots import dots_given, refuse_idle_detection
     from labcal.correspond.dot_source import open_dots
     from labcal.correspond.named_pixels_csv import is_pixels
@@ -70,11 +71,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     claim_outputs([FileOutput(arguments.output, KIND), *ply_outputs(arguments)], read, force=arguments.force)
     model = load_reconstructor(arguments.model, own_method(arguments.method))
     given = open_dots(arguments.source)
-    known = arguments.target is not None or given.shoot is not None
-    target = given.target(arguments.target) if known else None
+    rig = model if isinstance(model, Rig) else None
+    known = arguments.target is not None or given.states_target(rig)
+    target = given.target(arguments.target, rig) if known else None
     # A shoot's dots are found by its own target, whatever they are then said to be of.
-    shown = None if given.shoot is None else given.shoot.manifest.target or target
-    detections = dots_given(given, shown, arguments, session)
+    detections = dots_given(given, given.in_pictures(target), arguments, session)
     found = reconstruct(model, detections, target, budget=arguments.budget)
     write_file(arguments.output, points_csv(found.points), kind=KIND, force=arguments.force)
     write_ply_beside(arguments, found.points)

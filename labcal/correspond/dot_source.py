@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
 from labcal.correspond.measure import Measurement, detections_of, measure_pictures, refusals
@@ -46,18 +47,28 @@ class DotSource:
             raise InputError("A table of dots has no pictures. Its dots are in `table`.")
         return open_pictures(self.shoot)
 
-    def target(self, given: AnyPath | AnyTarget | None = None) -> AnyTarget:
-        """Return the target that is given, by itself or by name, or that of the shoot, or that of a print.
+    def target(self, given: AnyPath | AnyTarget | None = None, rig: Rig | None = None) -> AnyTarget:
+        """Return the target that is given, by itself or by name, of the shoot, of a print or of a rig.
 
-        The code of a print is searched in the pictures of the shoot or, where a table is given alone, in
-        those that it names and that are still there.
+        The code of a print is searched in the pictures of the shoot or, where a table is given alone and the
+        rig keeps no target, in those that it names and that are still there.
 
         Raises
         ------
         UnknownNameError, InputError
             As of :func:`~labcal.correspond.picture_set.target_shown`.
         """
-        return target_shown(given, self.shoot, self._sources()).target
+        read = self.table is None or self.shoot is not None or rig is None or rig.target is None
+        return target_shown(given, self.shoot, self._sources() if read else (), rig).target
+
+    def states_target(self, rig: Rig | None = None) -> bool:
+        """Tell whether a shoot, by itself or by its pictures, or a rig states the target of the dots."""
+        return self.shoot is not None or (rig is not None and rig.target is not None)
+
+    def in_pictures(self, taken: AnyTarget | None) -> AnyTarget | None:
+        """Return the target by which dots are found: the shoot's own or, if it states none, `taken`."""
+        stated = None if self.shoot is None else self.shoot.manifest.target
+        return taken if stated is None else stated
 
     def _sources(self) -> list[Source]:
         """Return the pictures that dots are of, as far as they are there."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from labcal.arguments import wrong_type
+from labcal.cameras.rig import Rig
 from labcal.correspond.pictures_left_out import left_out_words
 from labcal.correspond.printed_target import ShownTarget, named_target, read_target
 from labcal.correspond.sources import Source, camera_endings, find_sources, shoot_sources
@@ -19,6 +20,7 @@ from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.code_text import PrintedTarget
+from labcal.targets.kept_target import kept_target
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,17 +56,18 @@ class PictureSet(PublicObject):
         """``train`` or ``test`` of each view of a shoot; empty for loose pictures."""
         return {} if self.shoot is None else {view.name: view.role.value for view in self.shoot.views()}
 
-    def target(self, given: "AnyTarget | AnyPath | None" = None) -> AnyTarget:
-        """Return the target that is given, by itself or by name, or that of the shoot, or that of a print.
+    def target(self, given: "AnyTarget | AnyPath | None" = None, rig: Rig | None = None) -> AnyTarget:
+        """Return the target that is given, by itself or by name, of the shoot, of a print or of a rig.
 
         Raises
         ------
         UnknownNameError
             There is no target of that name.
         InputError
-            None is given, no shoot states it, and no code of a print tells it, or several do.
+            None is given, no shoot states it, no code of a print tells it, or several do, and no rig keeps
+            it.
         """
-        return self.shown(given).target
+        return target_shown(given, self.shoot, self.sources, rig).target
 
     def shown(
         self,
@@ -79,7 +82,7 @@ class PictureSet(PublicObject):
         UnknownNameError, InputError
             As of :meth:`target`.
         """
-        return target_shown(given, self.shoot, self.sources, executor, progress)
+        return target_shown(given, self.shoot, self.sources, None, executor, progress)
 
 
 AnyPictures = PictureSet | Shoot | AnyPath | Sequence[AnyPath]
@@ -141,10 +144,11 @@ def target_shown(
     given: "AnyTarget | PrintedTarget | AnyPath | None",
     shoot: Shoot | None,
     sources: Sequence[Source] = (),
+    rig: Rig | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> ShownTarget:
-    """Return the target that is given, by itself or by name, or that of the shoot, or that of a print.
+    """Return the target that is given, by itself or by name, of the shoot, of a print or of a rig.
 
     Parameters
     ----------
@@ -152,6 +156,9 @@ def target_shown(
     shoot : Shoot, optional
     sources : sequence of Source
         Pictures in which the code of a print is searched where neither tells the target.
+    rig : Rig, optional
+        The cameras that dots are of. The target of their calibration is taken where no code is read, and
+        tells which of several prints is meant.
     executor : Executor, optional
         It searches; in this process where left out.
     progress : Progress, optional
@@ -161,17 +168,21 @@ def target_shown(
     UnknownNameError
         There is no target of that name.
     InputError
-        None is given, no shoot states it, and no code of a print tells it, or several do.
+        None is given, no shoot states it, no code of a print tells it, or several do, and no rig keeps it;
+        or the target that the rig keeps is damaged.
     """
     if given is not None:
         return named_target(given)
     if shoot is not None and shoot.manifest.target is not None:
         return ShownTarget(shoot.manifest.target)
+    kept = None if rig is None else kept_target(rig)
+    if not sources and kept is not None:
+        return ShownTarget(kept)
     if not sources:
         raise InputError(
             "Name the target that the pictures show: `target='NAME'` ('labcal target list' shows the names)."
         )
-    return read_target(sources, executor, progress)
+    return read_target(sources, kept, executor, progress)
 
 
 def _shoot(pictures: AnyPictures) -> Shoot | None:

@@ -77,7 +77,10 @@ def named_target(given: AnyTarget | PrintedTarget | AnyPath) -> ShownTarget:
 
 
 def read_target(
-    sources: Sequence[Source], executor: Executor | None = None, progress: Progress | None = None
+    sources: Sequence[Source],
+    kept: AnyTarget | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
 ) -> ShownTarget:
     """Return the target that the code of a print tells, and log where it is read.
 
@@ -85,6 +88,8 @@ def read_target(
     ----------
     sources : sequence of Source
         All are searched, so that two prints are noticed.
+    kept : AnyTarget, optional
+        The target that a rig keeps: taken where no code is read, and where it is one of several prints.
     executor : Executor, optional
     progress : Progress, optional
 
@@ -99,7 +104,7 @@ def read_target(
     receiver.start("reading codes of prints", len(sources))
     cases = [(source,) for source in sources]
     found = over_pictures(executor or SerialExecutor(), codes_in, cases, _nothing, receiver)
-    shown = _only_one([source.image for source in sources], found)
+    shown = _only_one([source.image for source in sources], found, kept)
     for words in shown.words:
         _LOG.warning(words)
     return shown
@@ -119,8 +124,8 @@ def _nothing(_source: Source, _reason: str) -> "PictureCodes":
     return Codes()
 
 
-def _only_one(images: Sequence[str], found: "Sequence[PictureCodes]") -> ShownTarget:
-    """Return the one print of all pictures, from the first that tells it."""
+def _only_one(images: Sequence[str], found: "Sequence[PictureCodes]", kept: AnyTarget | None) -> ShownTarget:
+    """Return the one print of all pictures, or the one that is kept, from the first that tells it."""
     seen: dict[str, list[str]] = {}
     prints: dict[str, PrintedTarget] = {}
     for image, codes in zip(images, found, strict=True):
@@ -129,6 +134,10 @@ def _only_one(images: Sequence[str], found: "Sequence[PictureCodes]") -> ShownTa
             prints.setdefault(text, printed)
             seen.setdefault(text, []).append(image)
     notes = _passed_over(images, found)
+    if not prints and kept is not None:
+        return ShownTarget(kept, notes=notes)
+    meant = {text: printed for text, printed in prints.items() if printed.target == kept}
+    prints = meant if len(meant) == 1 else prints
     if not prints:
         tags = sum(bool(codes.blocks) for codes in found)
         near = (

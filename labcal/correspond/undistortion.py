@@ -149,7 +149,8 @@ def undistort_pictures(
             for name, ideal in ideals.items()
             if any(source.camera == name and _fits(source, rig) for source in sources)
         }
-        ideal = Rig.of(ideals).model_copy(update={"calibration": rig.calibration})
+        known = {"calibration": rig.calibration, "target": rig.target}
+        ideal = Rig.of(ideals).model_copy(update=known)
         write_rig(working / "rig.json", ideal, force=True)
         written, skipped = [], []
         progress.start("undistorting", len(sources))

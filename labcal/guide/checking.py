@@ -1,6 +1,7 @@
 """Check a rig by new views of a target, or of marks that stay in place: verdict, cost, power, warnings."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,10 +13,12 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.named_pixels import NamedPixels
 from labcal.correspond.named_points import NamedPoints
 from labcal.guide.found_change import FoundChange
+from labcal.guide.print_difference import PrintDifference
 from labcal.guide.rig_check import FEWEST_VIEWS, ChangeCost, CheckVerdict, RigCheck
 from labcal.guide.smallest_change import SmallestChange
 from labcal.guide.volume_cost import Volume
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.kept_target import other_target_note
 from labcal.targets.places import DotPlaces
 from labcal.wording import counted
 
@@ -39,7 +42,14 @@ def checked(rig: Rig, detections: Detections, target: AnyTarget | DotPlaces) -> 
     InputError
         As of :func:`~labcal.calibrate.validity.tested.tested`.
     """
-    return _judged(rig, tested(rig, detections, target))
+    found = _judged(rig, tested(rig, detections, target))
+    shown = target.target if isinstance(target, DotPlaces) else target
+    changed = found.verdict is CheckVerdict.CHANGED
+    difference = PrintDifference.of(found.tested, shown, changed=changed)
+    notes = () if difference is None else difference.words
+    other = other_target_note(rig, target)
+    notes = notes if other is None else (*notes, other)
+    return replace(found, warnings=(*found.warnings, *notes), print_difference=difference)
 
 
 def checked_by_marks(rig: Rig, pixels: NamedPixels, places: NamedPoints) -> RigCheck:

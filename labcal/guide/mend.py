@@ -133,4 +133,5 @@ def _corrected(check: RigCheck, found: Explanation) -> Rig:
                 "print_sigma_mm": known.print_sigma_mm,
             }
         )
-    return rig.model_copy(update={"covariance": record, "calibration": old.calibration})
+    kept = {"calibration": old.calibration, "target": old.target}
+    return rig.model_copy(update={"covariance": record, **kept})

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from labcal.calibrate.validity.tested import Tested
 from labcal.cameras.rig import Rig
 from labcal.guide.found_change import FoundChange
+from labcal.guide.print_difference import PrintDifference
 from labcal.guide.smallest_change import SmallestChange
 from labcal.public_object import HtmlTable, PublicObject
 
@@ -79,6 +80,8 @@ class RigCheck(PublicObject):
         As it was calibrated.
     tested : Tested
         The explanations that were compared.
+    print_difference : PrintDifference or None
+        Signs that the new pictures show another print; None where there are none, and of fixed marks.
 
     Examples
     --------
@@ -103,6 +106,7 @@ class RigCheck(PublicObject):
     warnings: tuple[str, ...]
     rig: Rig
     tested: Tested
+    print_difference: PrintDifference | None = None
 
     @property
     def camera(self) -> str | None:
@@ -125,7 +129,7 @@ class RigCheck(PublicObject):
         return mended_rig(self)
 
     def plot(self) -> "matplotlib.figure.Figure":
-        """Draw how likely each change is, and the smallest changes that would have been found.
+        """Draw how likely each change is, or what would have been found, and the errors of points in mm.
 
         Examples
         --------

@@ -20,12 +20,13 @@ from labcal.pipeline.check import check
 from labcal.pipeline.comparison import compare
 from labcal.pipeline.detection import detect, inspect, measure_pictures
 from labcal.pipeline.diagnosis import diagnose
+from labcal.pipeline.evaluation import evaluate
 from labcal.pipeline.held_out import evaluate_held_out
 from labcal.pipeline.live_capture import capture_live
 from labcal.pipeline.marks import find_marks
 from labcal.pipeline.named_points import measure
 from labcal.pipeline.other_programs import convert, undistort
-from labcal.pipeline.reconstruction import evaluate, reconstruct
+from labcal.pipeline.reconstruction import reconstruct
 from labcal.pipeline.rehearsal import rehearse
 from labcal.pipeline.rendering import render
 from labcal.pipeline.studies import bench, reproduce

@@ -71,7 +71,7 @@ def capture(
     """
     from labcal.capture.capturing import capture_shoot
 
-    source, run = planned_capture(sources, target, settings, ask)
+    source, run = planned_capture(sources, target, settings, ask, progress)
     return capture_shoot(source, as_path(folder), run, progress_of(progress))
 
 
@@ -80,6 +80,7 @@ def planned_capture(
     target: AnyTarget | AnyPath | None,
     settings: "CaptureSettings | None",
     ask: Callable[[str], None] | None,
+    progress: Progress | None = None,
 ) -> "tuple[Source, CaptureRun]":
     """Return the source of a capture, not opened yet, and all else that it needs; as of :func:`capture`."""
     from labcal.capture.addresses import named_addresses, source_at
@@ -110,13 +111,14 @@ def planned_capture(
         "stage": [one.view for one in readings],
         **({} if how.print_scale is None else {"print_scale": how.print_scale}),
     }
+    receiver = progress_of(progress)
     run = CaptureRun(f"capture {json.dumps(command, sort_keys=True)}", shown, readings, how, ask)
     if how.guide is not None:
         run = _guided(run, how.guide, simulated[0] if simulated else None)
     if len(made) == 1:
         source: Source = made[0]
     elif all(address.kind == "video" for address in addresses):
-        source = videos_together(addresses, shown, how.source_settings)
+        source = videos_together(addresses, shown, how.source_settings, receiver)
     else:
         source = SeveralSources(made)
     return source, run

@@ -49,9 +49,10 @@ def check(
         Dots or the table of them, a shoot, or pictures, in which dots are found: three views or more. Of
         fixed marks their pixels, the table of them, or pictures with `markers`; one view is enough.
     target : AnyTarget, DotPlaces, path or str, optional
-        What the pictures show; a shoot brings its own. Of a print that a calibration with free dots measured,
-        its dots, or the file of them, which finds smaller changes; the file beside that of the rig,
-        ``RIG-dots.json``, is taken by itself where it is of this target.
+        What the pictures show; if left out, the target of the shoot, or else the one that the rig was
+        calibrated with. Of a print that a calibration with free dots measured, its dots, or the file of them,
+        which finds smaller changes; the file beside that of the rig, ``RIG-dots.json``, is taken by itself
+        where it is of this target.
     settings : CheckSettings, optional
         The log that the check is added to; places and kinds of fixed marks.
     progress : Progress, optional
@@ -100,8 +101,8 @@ def check(
     if how.places is None:
         shown = given_places(target)
         named = shown.target if isinstance(shown, DotPlaces) else shown
-        dots, board = _dots(source, named, progress_of(progress))
-        known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None).target
+        dots, board = _dots(source, named, used, progress_of(progress))
+        known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None, rig=used).target
         found = checked(used, dots, known if isinstance(known, DotPlaces) else dots_beside(rig, known))
     else:
         found = check_by_marks(used, source, target, how, progress)
@@ -121,6 +122,7 @@ def check(
 def _dots(
     source: "Detections | NamedPixels | FoundMarks | AnyPictures",
     target: AnyTarget | AnyPath | None,
+    rig: Rig,
     progress: Progress,
 ) -> tuple[Detections, AnyTarget | None]:
     """Return the dots, and the target of a shoot."""
@@ -142,7 +144,7 @@ def _dots(
         if path.is_file() and path.suffix.lower() not in SUFFIXES:
             return read_detections(path), None
     opened = open_pictures(source)
-    shown = opened.target(target)
+    shown = opened.target(target, rig)
     if not opened.sources:
         raise InputError("No picture is given. Give a shoot, pictures, or the table of their dots.")
     return detect(opened, shown, progress=progress), shown

@@ -73,10 +73,10 @@ def diagnose(
     known = read_rig(as_path(rig)) if isinstance(rig, str | os.PathLike) else rig
     dots = source if isinstance(source, Detections) else _table(source)
     if dots is not None:
-        evidence = Evidence(target_shown(target, None), dots, rig=known)
+        evidence = Evidence(target_shown(target, None, rig=known).target, dots, rig=known)
     else:
         pictures = open_pictures(cast("AnyPictures", source))
-        shown = pictures.target(target)
+        shown = pictures.target(target, known)
         with open_executor(workers) as executor:
             found = measure_pictures(pictures.sources, shown, executor, progress_of(progress))
         evidence = Evidence(shown, detections_of(found), pictures.shoot, tuple(found), known)

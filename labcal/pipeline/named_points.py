@@ -13,6 +13,7 @@ from labcal.paths import AnyPath, as_path
 from labcal.pipeline.marks import AnyMarkers, find_marks, refuse_pixel_sigma
 from labcal.shoot.pictures import SUFFIXES
 from labcal.targets.catalogue import target_of
+from labcal.targets.kept_target import kept_target
 from labcal.targets.target import Target
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ def measure(
         Named pixels, or the table of them; or what :func:`find_marks` returned; or, with `markers`, pictures
         as it takes them. Pixels of one name in several cameras of a view are one point.
     target : Target or str, optional
-        The target that lies in the frame, of a frame by a board.
+        The target that lies in the frame, of a frame by a board; if left out, the one that the rig was
+        calibrated with.
     settings : MeasureSettings, optional
         Noise of pixels that state none, and the frame of the points.
     budget : {"full", "noise"}, optional
@@ -76,6 +78,7 @@ def measure(
     array([-40.,  30., 600.])
     """
     from labcal.reconstruct.found_marks import FoundMarks
+    from labcal.reconstruct.frames.fitted_frame import FrameKind
     from labcal.reconstruct.frames.requested_frame import RequestedFrame
     from labcal.reconstruct.measure_settings import MeasureSettings
     from labcal.reconstruct.named_points import reconstruct_named
@@ -92,6 +95,8 @@ def measure(
     frame = None if how.frame is None else RequestedFrame.of(how.frame, how.frame_view)
     shown = target_of(target) if isinstance(target, str | os.PathLike) else target
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
+    if shown is None and frame is not None and frame.kind is FrameKind.BOARD and isinstance(used, Rig):
+        shown = kept_target(used)
     if markers is not None:
         refuse_pixel_sigma(how.pixel_sigma)
         pixels = find_marks(used, cast("AnyPictures", pixels), markers)

@@ -81,7 +81,8 @@ def twin(
     opened = open_pictures(pictures)
     calibrated = rig if isinstance(rig, Rig) else read_rig(as_path(rig))
     given = given_places(target)
-    known = known_print(given if isinstance(given, DotPlaces) else dots_beside(rig, opened.target(given)))
+    shown = given if isinstance(given, DotPlaces) else dots_beside(rig, opened.target(given, calibrated))
+    known = known_print(shown)
     if folder is not None:
         named = [one for one in (rig, target) if isinstance(one, str | os.PathLike)]
         read = paths_read([*named, *opened.given], opened.sources)

@@ -8,11 +8,13 @@ from labcal.correspond.points import PointFlag
 from labcal.estimators.model import Model
 from labcal.reconstruct.reconstruction import Reconstruction
 from labcal.reconstruct.target_scale import TargetScale
+from labcal.targets.kept_target import other_target_note
+from labcal.targets.target import Target
 from labcal.wording import counted, listed
 
 
 def reconstruction_warnings(
-    model: Model | Rig, detections: Detections, found: Reconstruction, target_known: str | None
+    model: Model | Rig, detections: Detections, found: Reconstruction, shown: Target | None
 ) -> tuple[str, ...]:
     """Return the warnings in words.
 
@@ -22,19 +24,21 @@ def reconstruction_warnings(
     detections : Detections
         Pixels of the reconstructed dots.
     found : Reconstruction
-    target_known : str or None
-        Name of the target; None where it is not known.
+    shown : Target or None
+        Target of the dots; None where it is not known.
     """
     warnings = []
     if (
         found.eccentricity is None
-        and target_known is None
+        and shown is None
         and (isinstance(model, Rig) or model.resected is not None)
     ):
         warnings.append(
             "the points are those of centroids, not of centres: the dots' target is not known. Name it: "
             "`target='NAME'`"
         )
+    other = other_target_note(model, shown) if isinstance(model, Rig) and shown is not None else None
+    warnings += [] if other is None else [other]
     if isinstance(model, Model) and model.misfit:
         warnings.append(
             f"surrogate validation of '{model.estimator.method}' found errors far above the noise limit "

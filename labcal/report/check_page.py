@@ -73,7 +73,9 @@ def _verdict(found: RigCheck) -> Verdict:
     """Return the verdict as pages state them."""
     budget = float("nan") if found.budget_mm is None else found.budget_mm
     missed = float("nan") if found.undetected_mm is None else found.undetected_mm
-    leaves_out = ("a print that is too large as a whole, of which no view tells",)
+    leaves_out = (
+        "a print that is too large as a whole: to two cameras it looks like a shift of one of them",
+    )
     if found.verdict is CheckVerdict.CHANGED:
         extra = millimetres(float("nan") if found.cost is None else found.cost.rms_mm)
         return Verdict(

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from labcal.calibrate.validity.change import ALL_CAMERAS
 from labcal.guide.found_change import FoundChange
+from labcal.guide.print_difference import PrintDifference
 from labcal.guide.rig_check import LIKELY, ChangeCost, CheckVerdict, RigCheck
 from labcal.paths import AnyPath
 
@@ -74,6 +75,8 @@ class CheckResult:
     mend_refused: str | None
     """Reason that there is none, where one was asked for."""
     warnings: list[str]
+    print_difference: PrintDifference | None
+    """Signs that the new pictures show another print than the calibration's; null where there are none."""
 
 
 def check_result(found: RigCheck, mended: AnyPath | None = None, refused: str | None = None) -> CheckResult:
@@ -106,6 +109,7 @@ def check_result(found: RigCheck, mended: AnyPath | None = None, refused: str | 
         mended=None if mended is None else str(mended),
         mend_refused=refused,
         warnings=list(found.warnings),
+        print_difference=found.print_difference,
     )
 
 
@@ -126,7 +130,11 @@ def verdict_words(found: RigCheck) -> str:
     """Return the verdict in one sentence."""
     chance = f"p = {found.p_value:.2g}" if found.p_value >= 1e-99 else "p < 1e-99"  # noqa: PLR2004 -- shown
     if found.verdict is CheckVerdict.CHANGED:
-        return f"CHANGED ({chance}): the rig is not as it was calibrated."
+        other = found.print_difference
+        instead = ""
+        if other is not None and other.scale_ppm is not None:
+            instead = f", or the print is another one: {other.scale_ppm:+.0f} ppm"
+        return f"CHANGED ({chance}): the rig is not as it was calibrated{instead}."
     missed = "" if found.undetected_mm is None else f"up to {found.undetected_mm:.2g} mm RMS could be missed"
     budget = "" if found.budget_mm is None else f", where points have a sigma of {found.budget_mm:.2g} mm"
     if found.verdict is CheckVerdict.VALID:

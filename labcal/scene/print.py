@@ -122,7 +122,8 @@ class TruePrint:
             if self.is_displaced:
                 raise InputError(
                     f"Single dots can be misplaced on a grid of dots only, and the target '{target.name}' is "
-                    f"of the kind '{kind_of(target).name}'. Leave out board.misplacement_mm and board.dot_shifts_mm."
+                    f"of the kind '{kind_of(target).name}'. Leave out board.misplacement_mm "
+                    "and board.dot_shifts_mm."
                 )
             return
         room = 0.5 * np.array(target.cell_mm)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labcal.calibrate.adjustment.observations import observations_of
+from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.outliers import outliers
 from labcal.calibrate.adjustment.rounds import predicted_eccentricities
 from labcal.calibrate.adjustment.state import POSE, Lenses, RigState
@@ -75,6 +75,8 @@ class Prepared:
     """Factor of variances by which the views of the calibration disagreed beyond their dots."""
     clusters: int = 1
     """Views of calibration and check together, less one for each of both."""
+    with_outliers: Observations | None = None
+    """All dots of a target, with the noise that is stated of them; None of marks."""
 
     @property
     def freedom(self) -> int:
@@ -154,6 +156,7 @@ def prepared(rig: Rig, detections: Detections, shown: AnyTarget | DotPlaces) -> 
         len(names),
         view_factor=covariance.view_factor,
         clusters=max(1, len(names) - 1 + max(0, len(rig.calibrated_on) - 1)),
+        with_outliers=seen,
     )
 
 

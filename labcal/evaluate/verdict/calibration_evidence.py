@@ -22,7 +22,7 @@ def calibration_evidence(made: Calibration) -> CalibrationEvidence:
     found = made.found
     cameras = [found.rig.camera(name) for name in found.rig.cameras]
     fits = found.fits
-    names, places = list(found.rig.cameras), found.places
+    names, places, views = list(found.rig.cameras), found.places, found.sources.views
     return CalibrationEvidence(
         at=working_distance(cameras, places, found.pixel_sigma_px),
         calibration_mm=_calibration_mm(found, places),
@@ -45,6 +45,7 @@ def calibration_evidence(made: Calibration) -> CalibrationEvidence:
         parallel=any(camera.model.parallel for camera in cameras),
         baseline_mm=max((found.rig.baseline_mm(*pair) for pair in combinations(names, 2)), default=0.0),
         in_frame_mm=_in_frame_mm(found),
+        view_ratio=views.ratio if views.is_beyond_chance else 1.0,
     )
 
 

@@ -58,6 +58,9 @@ class CalibrationEvidence:
         Greatest distance of two cameras; 0 of one.
     in_frame_mm : float
         RMS 3-D error in the frame of the rig, with what moves all points together; NaN where it is not known.
+    view_ratio : float
+        Squared disagreement of the views about the cameras over what the noise of their dots explains; 1
+        where chance explains it. The errors of the calibration are wider by it.
     """
 
     at: WorkingDistance
@@ -79,6 +82,7 @@ class CalibrationEvidence:
     parallel: bool = False
     baseline_mm: float = 0.0
     in_frame_mm: float = float("nan")
+    view_ratio: float = 1.0
 
     @property
     def expected_mm(self) -> float:
@@ -232,7 +236,9 @@ def _sound(evidence: CalibrationEvidence) -> Finding:
             f"what lens model and print leave, {pixels(evidence.scatter_px)} beyond the dots' noise of "
             f"{pixels(evidence.noise_px)}"
         )
-        advice = "see whether `dot_places='freed'` or `lens='auto'` makes it smaller"
+        advice = "see whether `lens='auto'` makes it smaller"
+        if not evidence.freed:
+            advice = "see whether `dot_places='freed'` or `lens='auto'` makes it smaller"
     else:
         limit = f"the noise of the dots, {pixels(evidence.noise_px)}"
         advice = "measure"
@@ -244,8 +250,13 @@ def _sound(evidence: CalibrationEvidence) -> Finding:
         advice = (
             f"score the {counted(evidence.held_out, 'view')} held out with 'labcal evaluate', and {advice}"
         )
-    views = counted(evidence.views, "view")
-    reason = f"{views} without contradiction leave residuals of {pixels(evidence.rms_px)} (RMS)"
+    views, residuals = counted(evidence.views, "view"), f"residuals of {pixels(evidence.rms_px)} (RMS)"
+    reason = f"{views} without contradiction leave {residuals}"
+    if evidence.view_ratio > 1.0:
+        reason = (
+            f"{views} leave {residuals}; they disagree about the cameras by more than noise "
+            f"({evidence.view_ratio:.1f} times its squares), and the error above holds that"
+        )
     return Finding(Belief.YES, reason, limit, advice)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from labcal import examples, pipeline
 from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.cameras.camera import Camera
@@ -289,3 +290,13 @@ def test_dots_that_scatter_far_beyond_their_noise_are_uneven(
     for dots, uneven in ((sharp, False), (printed, True)):
         fits = calibrate_handheld(dots, grid, "brown5", declared).fits.values()
         assert {fit.uneven for fit in fits} == {uneven}
+
+
+def test_the_first_camera_is_the_world_also_where_its_first_picture_has_no_measured_dot() -> None:
+    """Of 30 drawn sets one began with a refused picture: the cameras changed places."""
+    dots = examples.detections()
+    first = (dots.view == dots.views[0]) & (dots.camera == dots.cameras[0])
+    spoilt = replace(dots, flag=np.where(first, "bad-fit", dots.flag))
+    rig = pipeline.calibrate(examples.TARGET, spoilt).rig
+    assert tuple(rig.cameras) == dots.cameras
+    assert np.array_equal(rig.camera(dots.cameras[0]).T_cam_world, np.eye(4))

@@ -18,12 +18,30 @@ TARGET_ = load_target(TARGET)
 DISTANCE = 2.2 * (TARGET_.extent_mm[2] - TARGET_.extent_mm[0])
 
 
+class Steps:
+    """Counts what is reported."""
+
+    def __init__(self) -> None:
+        self.started: list[tuple[str, int]] = []
+        self.steps = 0
+
+    def start(self, label: str, total: int, done: int = 0) -> None:
+        assert done == 0
+        self.started.append((label, total))
+
+    def advance(self, steps: int = 1) -> None:
+        self.steps += steps
+
+
 @pytest.mark.parametrize("offset", [3.0, pytest.param(-2.4, marks=pytest.mark.slow)])
 def test_the_offset_between_two_videos_is_found_to_a_fraction_of_a_frame(
     tmp_path: Path, offset: float
 ) -> None:
     left, right = two_videos(tmp_path, offset, 30)
-    assert offset_frames(VideoFile(left), VideoFile(right), TARGET_) == pytest.approx(offset, abs=0.2)
+    files, progress = (VideoFile(left), VideoFile(right)), Steps()
+    assert offset_frames(*files, TARGET_, progress) == pytest.approx(offset, abs=0.2)
+    assert progress.started == [("time offset of right.avi", 60)]
+    assert progress.steps == 60
 
 
 def test_a_target_that_stands_still_tells_no_offset(tmp_path: Path) -> None:

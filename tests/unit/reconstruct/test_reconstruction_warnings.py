@@ -32,7 +32,7 @@ def test_thousands_of_views_without_a_point_are_told_at_once_and_in_short(
     )
     found = Reconstruction(points, None, None, None)
     started = time.process_time()
-    (told,) = reconstruction_warnings(Rig.of(pair), Detections(**columns), found, grid.name)
+    (told,) = reconstruction_warnings(Rig.of(pair), Detections(**columns), found, grid)
     assert time.process_time() - started < 2.0  # a set of all points for every view took over ten
     assert told.startswith("no dot was measured by all cameras in 2000 views: view-2000, view-2001, ")
     assert told.endswith("and 1988 more")
