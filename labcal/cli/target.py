@@ -1,5 +1,6 @@
 """``labcal target``: printable targets at exact scale."""
 
+import re
 from argparse import Namespace
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -112,22 +113,21 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
     from labcal.report.columns import name_column
     from labcal.targets.catalogue import load_target, target_names
     from labcal.targets.paper import smallest_paper
-    from labcal.targets.registry import kind_of, target_kinds
+    from labcal.targets.registry import PLAIN, kind_of, target_kinds
 
     targets = [load_target(name) for name in target_names()]
     kinds = target_kinds()
     papers = {target.name: smallest_paper(target) for target in targets}
-    table = Table(name_column("target"), "kind", "dots", "pitch [mm]", "dot [mm]", "paper", "what it is")
+    table = Table(name_column("target"), "dots", "pitch, dot (mm)", "paper", "what it is")
     table.caption = f"Kinds that a description can be of: {listed(kinds)}"
     for target in targets:
-        count = f"{target.cols} x {target.rows}"
+        kind = kind_of(target).name
         table.add_row(
             target.name,
-            kind_of(target).name,
-            count,
-            *target.sizes,
+            f"{target.cols} x {target.rows}" + ("" if kind == PLAIN else f" {kind}"),
+            _sizes(*target.sizes),
             _paper_name(papers[target.name]) or "none",
-            target.description,
+            re.split(r"[,;:.](?:\s|$)", target.description)[0],
         )
     names = {name: _paper_name(paper) for name, paper in papers.items()}
     session.emit(TargetList(targets, kinds, names), table)
@@ -205,6 +205,12 @@ def run_export(arguments: Namespace, session: Session) -> ExitStatus:
     pages = "" if result.pages == 1 else f" on {tiles[0]} x {tiles[1]} pages of {paper}"
     session.emit(result, f"{arguments.output}: {size}{pages}. Print at 100 % and check the ruler.")
     return ExitStatus.DONE
+
+
+def _sizes(pitches: str, dot: str) -> str:
+    """Return pitch and size of a dot in words, one number where both pitches are alike."""
+    across, _, up = pitches.partition(" x ")
+    return f"{across if across == up else pitches}, {dot}"
 
 
 def _paper_name(paper: "Paper | None") -> str | None:

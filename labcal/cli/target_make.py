@@ -26,7 +26,9 @@ def add_make(target: CommandGroup) -> None:
         "make",
         run_make,
         "Design a target for cameras, distance and paper: the smallest dots that are found safely, and as "
-        "many as there is room for. It is tried in drawn pictures; shipped targets that would do are named.",
+        "many as there is room for. It is tried in drawn pictures; shipped targets that would do are named. "
+        "Then take 12 to 25 views over the whole depth, tilted by 25 to 45 degrees to all sides: fewer or "
+        "flatter ones cost accuracy (measured: docs/how-to/choose-a-target.md).",
         example="labcal target make --size 1280x960 --fov 60 --distance 400,800 "
         "-o board.yaml --print board.pdf\n"
         "  labcal target make --rig rig.json --distance 500,700 --paper a3 -o board.yaml",

@@ -87,5 +87,6 @@ def make_target(
     if output is not None:
         write_target(output, found.target, force=force)
     if print_file is not None:
-        export_pages(found.target, print_file, asked.paper, asked.tiles, force=force)
+        margin_mm = asked.printer_margin_mm
+        export_pages(found.target, print_file, asked.paper, asked.tiles, margin_mm=margin_mm, force=force)
     return found

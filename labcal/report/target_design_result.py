@@ -14,6 +14,10 @@ from labcal.report.columns import name_column
 from labcal.targets.paper import sheet_size
 from labcal.targets.registry import kind_of
 
+_VIEWS = (
+    "Take 12 to 25 views over the whole depth, tilted by 25 to 45 degrees to all sides, also at the edges."
+)
+
 
 @dataclass(frozen=True)
 class ShippedResult:
@@ -113,7 +117,7 @@ def design_table(result: DesignResult) -> Group:
             f"{view.sigma_px:.4f}",
         )
     parts: list[RenderableType] = [Text(shipped_words(result)), Text(chosen_words(result)), table]
-    parts.append(Text(why_words(result)))
+    parts += [Text(why_words(result)), Text(_VIEWS)]
     made = [file for file in (result.file, result.print) if file is not None]
     if result.print is not None:
         parts.append(Text(f"{', '.join(made)}. Print at 100 % and check the ruler."))

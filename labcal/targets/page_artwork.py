@@ -40,6 +40,7 @@ def export_pages(
     counts: tuple[int, int] | None = None,
     *,
     copy: int | None = 0,
+    margin_mm: float = PRINTER_MARGIN_MM,
     force: bool = False,
 ) -> Tiling:
     """Write a target as a PDF with pages of a paper, at exact scale.
@@ -57,6 +58,8 @@ def export_pages(
         Pages side by side and one above the other, at most; as few as possible where left out.
     copy : int or None
         As of :func:`labcal.targets.artwork.export_artwork`.
+    margin_mm : float
+        Rim that the printer leaves bare.
     force : bool
         Replace a file that labcal wrote.
 
@@ -73,7 +76,7 @@ def export_pages(
         raise InputError(f"Pages of a paper are written as PDF, not as {path.name}: give a name in .pdf.")
     require_file_place(path, force=force)
     text, sheet = print_text(target, copy), lay_out_print(target, copy)
-    tiling = tiled(target, sheet, paper, counts)
+    tiling = tiled(target, sheet, paper, counts, margin_mm)
     write_file(path, _drawn(_Print(target, sheet, text), tiling), kind=output.kind, force=force)
     return tiling
 
@@ -107,7 +110,7 @@ def _page(laid: _Print, tiling: Tiling, tile: Tile, number: int) -> Figure:
     window, many = tile.window, len(tiling.tiles) > 1
     lift = LABEL_MM if many else 0.0
     left = 0.5 * (width - window.width)
-    low = PRINTER_MARGIN_MM + lift + 0.5 * (height - 2.0 * PRINTER_MARGIN_MM - lift - window.height)
+    low = tiling.margin_mm + lift + 0.5 * (height - 2.0 * tiling.margin_mm - lift - window.height)
     if not many:
         left = low = 0.0
     place = (left / width, low / height, window.width / width, window.height / height)

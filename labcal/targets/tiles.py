@@ -46,12 +46,15 @@ class Tiling:
         Where pages are cut and joined, in the target's frame, mm; none along an axis with one page.
     tiles : tuple of Tile
         From the upper left one, row by row.
+    margin_mm : float
+        Rim of each page that the printer leaves bare.
     """
 
     page_mm: tuple[float, float]
     cuts_x: tuple[float, ...]
     cuts_y: tuple[float, ...]
     tiles: tuple[Tile, ...]
+    margin_mm: float = PRINTER_MARGIN_MM
 
     @property
     def counts(self) -> tuple[int, int]:
@@ -111,7 +114,7 @@ def tiled(
     if not fitting:
         raise InputError(_refusal(whole, paper, counts, found))
     page, x, y = min(fitting, key=lambda one: (len(one[1]) + 1) * (len(one[2]) + 1))
-    return Tiling(page, x, y, _tiles(whole, x, y))
+    return Tiling(page, x, y, _tiles(whole, x, y), margin_mm)
 
 
 def tiled_room(paper: Paper, counts: tuple[int, int], margin_mm: float) -> tuple[tuple[float, float], ...]:

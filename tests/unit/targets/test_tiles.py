@@ -118,3 +118,13 @@ def test_rasterised_pages_have_the_right_pitch(
             away = place[:, axis] - place[0, axis]
             assert np.abs(away - pitch * np.round(away / pitch)).max() < 0.02
     assert len(list(tmp_path.glob("page*.png"))) == len(tiling.tiles)
+
+
+def test_a_wide_rim_of_the_printer_makes_smaller_parts() -> None:
+    target = load_target("plain-11x8")
+    for margin in (5.0, 20.0):
+        tiling = tiled(target, lay_out(target), PAPERS["a4"], None, margin)
+        assert tiling.margin_mm == margin
+        assert all(
+            tile.window.height <= tiling.page_mm[1] - 2 * margin - LABEL_MM + 1e-6 for tile in tiling.tiles
+        )
