@@ -30,7 +30,7 @@ class ShownTarget:
     Attributes
     ----------
     printed : AnyTarget or PrintedTarget
-        The target; with its print where its code is what tells it, so that other boards are told apart.
+        The target; with its print where its code is what tells it, so that other boards are distinguished.
     picture : str or None
         Path of the picture that it is read from; None where it was given, or a shoot states it.
     notes : tuple of str
@@ -144,9 +144,9 @@ def _only_one(images: Sequence[str], found: "Sequence[PictureCodes]", kept: AnyT
             f" Tags of prints are seen in {counted(tags, 'picture')}, their codes are not sharp enough."
             * (tags > 0)
         )
-        told = "".join(f" {note[0].upper()}{note[1:]}." for note in notes)
+        passed = "".join(f" {note[0].upper()}{note[1:]}." for note in notes)
         raise InputError(
-            f"No picture tells which target it shows: no code of a print is read.{near}{told} Name the "
+            f"No picture tells which target it shows: no code of a print is read.{near}{passed} Name the "
             "target: `target='NAME'` ('labcal target list' shows the names), or take one sharp picture of "
             "the code."
         )

@@ -100,8 +100,8 @@ def export_artwork(
     force : bool
         Replace a file that labcal wrote.
     copy : int or None
-        Number of the print in its code, where several prints of one design are to be told apart; None for a
-        plain print without a code, as are those of kinds of the user's.
+        Number of the print in its code, where several prints of one design are to be distinguished; None for
+        a plain print without a code, as are those of kinds of the user's.
 
     Raises
     ------

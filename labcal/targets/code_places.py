@@ -20,7 +20,7 @@ DICTIONARY = MarkerDictionary.DICT_APRILTAG_36H11
 FIRST_TAG = 87
 """Tags below are left to laboratories, which number their own from 0."""
 NUMBERS = (DICTIONARY.size - FIRST_TAG) // 2
-"""How many prints their tags tell apart, each with a left and a right one."""
+"""Number of prints that tags distinguish, each with a left and a right one."""
 
 
 def tags_of(number: int) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""The wanted board among several in one picture, told by the tags of its print."""
+"""The wanted board among several in one picture, known by the tags of its print."""
 
 from collections.abc import Sequence
 
