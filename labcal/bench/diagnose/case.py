@@ -70,7 +70,7 @@ def diagnosed_shoot(case: DiagnosedShoot) -> DiagnosedFigures:
         else:
             evidence = evidence_of(mistakes, case.rig, Path(home), random)
         found = diagnosed(evidence)
-    first = {}
+    first: dict[str, float | None] = {}
     for one in found.findings:
         first.setdefault(one.check.value, one.harm_percent)
     known = tuple(None if harm is None or harm == float("inf") else harm for harm in first.values())

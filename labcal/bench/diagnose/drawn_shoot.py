@@ -103,4 +103,4 @@ def _streak(length_px: float, angle: float) -> np.ndarray:
         left, top = int(x), int(y)
         for row, col in ((top, left), (top, left + 1), (top + 1, left), (top + 1, left + 1)):
             kernel[row, col] += max(0.0, 1.0 - abs(x - col)) * max(0.0, 1.0 - abs(y - row))
-    return kernel / kernel.sum()
+    return np.asarray(kernel / kernel.sum())
