@@ -60,8 +60,9 @@ def diagnose(
     Examples
     --------
     >>> from labcal import examples, pipeline
-    >>> pipeline.diagnose(examples.detections(), examples.TARGET).findings
-    ()
+    >>> found = pipeline.diagnose(examples.detections(), examples.TARGET)
+    >>> [one.check.value for one in found.findings]
+    ['poor-coverage']
     """
     from labcal.correspond.measure import detections_of, measure_pictures
     from labcal.correspond.picture_set import open_pictures, target_shown
