@@ -94,7 +94,7 @@ def twin(
     command = f"twin {calibrated.model_dump_json()} {how.views} {how.spp} {how.draws} {how.seed}"
     with unfinished_folder(as_path(folder), command, force=how.force) as working:
         found = made_twin(calibrated, photographs, known, how, (working, receiver))
-        write_twin(working, found, page_maker(_page(opened, rig, target), "twin", arguments))
+        write_twin(working, found, page_maker(_page(opened, rig), "twin", arguments))
     return found
 
 
@@ -127,12 +127,11 @@ def _measured(
     return Photographs(sources, found, rays)
 
 
-def _page(opened: "PictureSet", rig: Rig | AnyPath, target: object) -> "PageOutput":
+def _page(opened: "PictureSet", rig: Rig | AnyPath) -> "PageOutput":
     """Return the page, which names the command that makes it again, but not where it is."""
     from labcal.report.page.output import PageOutput
 
     if isinstance(rig, Rig) or not opened.given:
         return PageOutput("index.html")
-    named = ["--target", os.fspath(target)] if isinstance(target, str | os.PathLike) else []
-    command = " ".join(["labcal twin", *opened.given, os.fspath(rig), *named, "-o DIR"])
+    command = " ".join(["labcal twin", *opened.given, os.fspath(rig), "-o DIR"])
     return PageOutput("index.html", command=command, inputs=(*opened.given, rig))

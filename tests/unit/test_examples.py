@@ -20,7 +20,13 @@ PAGES = sorted(
     if "\n>>> " in path.read_text(encoding="utf-8")
 )
 OPTIONS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
-RENDERS = {"labcal.pipeline.bench", "labcal.pipeline.render", "labcal.pipeline.reproduce"}
+RENDERS = {
+    "labcal.pipeline.bench",
+    "labcal.pipeline.render",
+    "labcal.pipeline.reproduce",
+    "labcal.pipeline.twin",
+    "labcal.twin",
+}
 """Functions whose examples are shown and not run, since they render for minutes; other tests run them."""
 WAITS = {"labcal.pipeline.capture_live"}
 """The same, since they wait for a person."""

@@ -19,8 +19,9 @@ from labcal.errors import InputError
 from labcal.geometry.poses import inverse
 from labcal.targets.grid import DotGrid
 
-_GROSS = 8.0
-"""A dot that is this many times as far off as the median one is left out, with a warning."""
+_GROSS, _GROSS_PX = 8.0, 2.0
+"""A dot that is this many times as far off as the median one, and farther than this, is left out, with a
+warning: it is another dot. What is less far off is what a twin is to explain."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ def _settled(
             )
         state = settled
         length = np.linalg.norm(state.residuals(moved), axis=1)
-        gross = length > _GROSS * float(np.median(length))
+        gross = length > max(_GROSS * float(np.median(length)), _GROSS_PX)
         if not gross.any():
             break
         off += _keys(seen, gross)

@@ -32,9 +32,9 @@ class Wiped(Part):
     """
 
     name: str
-    over: Shaped[np.ndarray, "*shape"]
-    under: Shaped[np.ndarray, "*shape"]
-    beside: Shaped[np.ndarray, "*shape"]
+    over: np.ndarray
+    under: np.ndarray
+    beside: np.ndarray
     titles: tuple[str, str, str]
     caption: str
 

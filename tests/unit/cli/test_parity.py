@@ -31,6 +31,7 @@ SETTINGS: dict[str, tuple[type, ...]] = {
     "convert": (pipeline.ConvertSettings,),
     "undistort": (pipeline.UndistortSettings,),
     "rehearse": (pipeline.RehearseSettings,),
+    "twin": (pipeline.TwinSettings,),
     "reproduce": (pipeline.ReproduceSettings,),
     "bench": (pipeline.BenchSettings,),
 }
@@ -143,6 +144,7 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
     "convert": {},
     "undistort": {"cameras": CAMERAS, "output": "folder"},
     "rehearse": {"output": "folder"},
+    "twin": {"cameras": CAMERAS, "dots": (DotPlaces.load, "path"), "output": "folder"},
     "reproduce": {"output": "folder"},
     "bench": {"output": "folder", "only": "groups", "method": "methods"},
 }
