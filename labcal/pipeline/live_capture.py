@@ -166,7 +166,6 @@ class _Ending:
         self.board.show(phase=Phase.CALIBRATE, request=words, hint="", error="", work=("", 0, 0))
         made = calibrate(self.folder, progress=BoardProgress(self.board), page=self.page)
         write_rig(self.rig, made.rig, force=self._force)
-        self.board.show(findings=self._findings(made))
         return made
 
     def _findings(self, made: "Calibration") -> tuple[str, ...]:
@@ -176,7 +175,6 @@ class _Ending:
         diagnose = getattr(pipeline, "diagnose", None)
         if diagnose is None:
             return ()
-        self.board.show(request="Looking for mistakes in the shoot", work=("", 0, 0))
         try:
             found = diagnose(self.folder, rig=made.rig).findings
         except InputError:  # no picture shows enough to judge
@@ -196,6 +194,7 @@ class _Ending:
         outcome = outcome_of(self.made, files, self.page.phrase)
         request = "The calibration is done. Leave the cameras as they are"
         self.board.show(phase=Phase.DONE, request=request, hint="", outcome=outcome, work=None, error="")
+        self.board.show(findings=self._findings(self.made))  # may take a while; the rig is there already
 
     def linger(self) -> None:
         """Serve until the page is closed, or nobody looks at it any more, or a person presses Ctrl-C."""
