@@ -64,9 +64,17 @@ def test_fixed_marks_by_the_function_and_by_the_command(labcal: Run, home: Path)
     assert check(rig, NamedPixels.load(home / "pixels.csv"), None, settings).p_value == found.p_value
 
 
+def test_the_target_of_the_calibration_is_taken_where_none_is_named(labcal: Run, home: Path) -> None:
+    words = ("check", home / "rig.json", home / "dots.csv")
+    kept, named = labcal(*words), labcal(*words, "--target", examples.TARGET)
+    assert kept.document == named.document
+
+
 def test_wrong_use(labcal: Run, home: Path) -> None:
+    older = Rig.load(home / "rig.json").model_copy(update={"target": None})
+    older.save(home / "older.json", force=True)
     for words, expected in [
-        (("rig.json", "dots.csv"), "--target"),
+        (("older.json", "dots.csv"), "--target"),
         (("rig.json", "dots.csv", "--target", examples.TARGET, "--note", "x"), "--log"),
         (("rig.json", "dots.csv", "--target", examples.TARGET, "--force"), "--force"),
         (("rig.json", "dots.csv", "--target", examples.TARGET, "--workers", "2"), "--workers"),
