@@ -160,7 +160,7 @@ def run_export(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.claims import claim_outputs
     from labcal.targets.artwork import artwork_output, export_artwork, print_text
     from labcal.targets.catalogue import load_target
-    from labcal.targets.page_artwork import export_pages
+    from labcal.targets.page_artwork import PageSettings, export_pages
     from labcal.targets.paper import PAPERS, paper_of, sheet_size, smallest_paper
 
     target = load_target(arguments.target)
@@ -187,7 +187,9 @@ def run_export(arguments: Namespace, session: Session) -> ExitStatus:
         counts = None if arguments.tiles is None else counts_of(arguments.tiles, "--tiles")
         sheet = paper_of(arguments.paper)
         paper, dpi = sheet.name, None
-        tiles = export_pages(target, arguments.output, sheet, counts, copy=copy, force=arguments.force).counts
+        tiles = export_pages(
+            target, arguments.output, PageSettings(sheet, counts), copy=copy, force=arguments.force
+        ).counts
     result = ExportedTarget(
         target=target.name,
         file=str(arguments.output),

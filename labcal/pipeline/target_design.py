@@ -65,7 +65,7 @@ def make_target(
     from labcal.run.claims import claim_outputs
     from labcal.targets.artwork import artwork_output
     from labcal.targets.description_file import description_output, write_target
-    from labcal.targets.page_artwork import export_pages
+    from labcal.targets.page_artwork import PageSettings, export_pages
 
     asked = object_of(question, TargetQuestion, "question")
     number = whole_number(seed, "seed", 0)
@@ -88,5 +88,5 @@ def make_target(
         write_target(output, found.target, force=force)
     if print_file is not None:
         margin_mm = asked.printer_margin_mm
-        export_pages(found.target, print_file, asked.paper, asked.tiles, margin_mm=margin_mm, force=force)
+        export_pages(found.target, print_file, PageSettings(asked.paper, asked.tiles, margin_mm), force=force)
     return found

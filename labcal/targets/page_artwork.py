@@ -33,14 +33,23 @@ _CROSS_MM = 3.0
 _HAIRLINE_POINTS = 0.3
 
 
+@dataclass(frozen=True)
+class PageSettings:
+    """The pages that a sheet is printed on."""
+
+    paper: Paper
+    counts: tuple[int, int] | None = None
+    """Pages side by side and one above the other, at most; as few as possible where left out."""
+    margin_mm: float = PRINTER_MARGIN_MM
+    """Rim that the printer leaves bare."""
+
+
 def export_pages(
     target: AnyTarget,
     path: AnyPath,
-    paper: Paper,
-    counts: tuple[int, int] | None = None,
+    pages: PageSettings,
     *,
     copy: int | None = 0,
-    margin_mm: float = PRINTER_MARGIN_MM,
     force: bool = False,
 ) -> Tiling:
     """Write a target as a PDF with pages of a paper, at exact scale.
@@ -53,13 +62,9 @@ def export_pages(
     target : AnyTarget
     path : str or os.PathLike
         The file, ending in ``.pdf``.
-    paper : Paper
-    counts : (int, int), optional
-        Pages side by side and one above the other, at most; as few as possible where left out.
+    pages : PageSettings
     copy : int or None
         As of :func:`labcal.targets.artwork.export_artwork`.
-    margin_mm : float
-        Rim that the printer leaves bare.
     force : bool
         Replace a file that labcal wrote.
 
@@ -76,7 +81,7 @@ def export_pages(
         raise InputError(f"Pages of a paper are written as PDF, not as {path.name}: give a name in .pdf.")
     require_file_place(path, force=force)
     text, sheet = print_text(target, copy), lay_out_print(target, copy)
-    tiling = tiled(target, sheet, paper, counts, margin_mm)
+    tiling = tiled(target, sheet, pages.paper, pages.counts, pages.margin_mm)
     write_file(path, _drawn(_Print(target, sheet, text), tiling), kind=output.kind, force=force)
     return tiling
 

@@ -8,7 +8,7 @@ import pytest
 
 from labcal.errors import InputError, UnknownNameError
 from labcal.targets.catalogue import load_target, target_names
-from labcal.targets.page_artwork import export_pages
+from labcal.targets.page_artwork import PageSettings, export_pages
 from labcal.targets.paper import PAPERS, PRINTER_MARGIN_MM, Paper, paper_of, smallest_paper
 from labcal.targets.sheet import lay_out
 from labcal.targets.tiles import LABEL_MM, OVERLAP_MM, Tiling, tiled
@@ -50,7 +50,7 @@ def test_tiles_cover_the_sheet_overlap_and_fit_their_page(
 ) -> None:
     target = load_target(name)
     sheet = lay_out(target)
-    tiling = tiled(target, sheet, paper_of(paper), counts)
+    tiling = tiled(target, sheet, PageSettings(paper_of(paper), counts))
     across, up = tiling.counts
     assert len(tiling.tiles) == across * up
     by_place = {(tile.col, tile.row): tile.window for tile in tiling.tiles}
@@ -87,12 +87,12 @@ def test_a_sheet_that_does_not_fit_is_refused_by_numbers() -> None:
 
 def test_pages_are_the_same_bytes_and_pdf_alone(tmp_path: Path) -> None:
     target = load_target("plain-11x8")
-    export_pages(target, tmp_path / "a.pdf", PAPERS["a4"])
-    export_pages(target, tmp_path / "b.pdf", PAPERS["a4"])
+    export_pages(target, tmp_path / "a.pdf", PageSettings(PAPERS["a4"]))
+    export_pages(target, tmp_path / "b.pdf", PageSettings(PAPERS["a4"]))
     assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
     assert (tmp_path / "a.pdf").read_bytes().count(b"/Type /Page ") == 2
     with pytest.raises(InputError, match="PDF"):
-        export_pages(target, tmp_path / "a.svg", PAPERS["a4"])
+        export_pages(target, tmp_path / "a.svg", PageSettings(PAPERS["a4"]))
 
 
 @pytest.mark.slow
@@ -102,7 +102,7 @@ def test_rasterised_pages_have_the_right_pitch(
     name: str, paper: str, counts: tuple[int, int] | None, tmp_path: Path
 ) -> None:
     target = load_target(name)
-    tiling: Tiling = export_pages(target, tmp_path / "t.pdf", paper_of(paper), counts)
+    tiling: Tiling = export_pages(target, tmp_path / "t.pdf", PageSettings(paper_of(paper), counts))
     subprocess.run(["pdftoppm", "-r", "600", "-gray", "-png", "t.pdf", "page"], cwd=tmp_path, check=True)  # noqa: S607
     for page in sorted(tmp_path.glob("page*.png")):
         picture = cv2.imread(str(page), cv2.IMREAD_GRAYSCALE)
