@@ -41,6 +41,7 @@ def add_parser(commands: CommandGroup) -> None:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Diagnose, and report."""
     from labcal.cli.compiling import announce_compiling
+    from labcal.cli.option_words import in_options
     from labcal.cli.page import asked_page
     from labcal.pipeline import diagnose, open_pictures
     from labcal.report.diagnose_result import diagnose_result, diagnose_words
@@ -63,5 +64,5 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
             found = diagnose(
                 pictures, arguments.target, arguments.rig, arguments.workers, progress, page=page
             )
-    session.emit(diagnose_result(found), diagnose_words(found))
+    session.emit(diagnose_result(found), in_options(diagnose_words(found)))
     return ExitStatus.PARTIAL if found.findings else ExitStatus.DONE

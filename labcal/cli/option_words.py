@@ -39,7 +39,7 @@ _PLAIN = re.compile(r"[\w.,:/-]+")
 WORDS = frozenset(
     (
         "message", "reason", "warnings", "notes", "error", "skipped", "why", "left_out", "centre_bias_kept",
-        "inconsistent", "causes", "refused", "mend_refused",
+        "inconsistent", "causes", "refused", "mend_refused", "mend", "words",
     )
 )  # fmt: skip
 """Keys of JSON documents that hold messages; under others stand data, which are never changed."""

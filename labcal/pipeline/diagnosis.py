@@ -1,7 +1,7 @@
 """Diagnosis of a shoot: what is wrong with it, what that costs, and how to mend it."""
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_file import read_rig
@@ -71,11 +71,11 @@ def diagnose(
 
     output = claimed_page(page, [source, rig])
     known = read_rig(as_path(rig)) if isinstance(rig, str | os.PathLike) else rig
-    table = _table(source)
-    if table is not None:
-        evidence = Evidence(target_shown(target, None), table, rig=known)
+    dots = source if isinstance(source, Detections) else _table(source)
+    if dots is not None:
+        evidence = Evidence(target_shown(target, None), dots, rig=known)
     else:
-        pictures = open_pictures(source)  # type: ignore[arg-type] -- a table is none
+        pictures = open_pictures(cast("AnyPictures", source))
         shown = pictures.target(target)
         with open_executor(workers) as executor:
             found = measure_pictures(pictures.sources, shown, executor, progress_of(progress))
@@ -93,8 +93,6 @@ def _table(source: object) -> Detections | None:
     """Return the dots where a table of them is given; None of pictures."""
     from labcal.shoot.pictures import SUFFIXES
 
-    if isinstance(source, Detections):
-        return source
     if isinstance(source, str | os.PathLike):
         path = as_path(source)
         if path.is_file() and path.suffix.lower() not in SUFFIXES:

@@ -28,6 +28,7 @@ _ORDER = (
 _ARROWS = "Arrows are residuals of the dots, predicted minus measured, where all views share one rig."
 _MISFIT = "RMS residuals of each view in units of their expected size, where all views share one rig."
 _MOST_PICTURES = 2
+_SHOWN_CHANCE = 1e-99
 
 
 def diagnosis_page(found: Diagnosis, maker: PageMaker) -> Page:
@@ -41,9 +42,9 @@ def diagnosis_page(found: Diagnosis, maker: PageMaker) -> Page:
     evidence = found.evidence
     sections = []
     if found.findings:
-        sections.append(Section("What is wrong", [Prose((_ORDER,)), _table(found)]))
+        sections.append(Section("What is wrong", [Prose((_ORDER,)), _table(found, maker)]))
     sections += [
-        Section(f"{number}. {one.check.value}", _evidence(found, one, number))
+        Section(f"{number}. {one.check.value}", _evidence(found, one, number, maker))
         for number, one in enumerate(found.findings, start=1)
     ]
     if found.explained:
@@ -51,7 +52,7 @@ def diagnosis_page(found: Diagnosis, maker: PageMaker) -> Page:
         sections.append(Section("Explained by these", [Prose(tuple(words))]))
     if found.not_judged:
         columns = [Column("check", Side.LEFT), Column("why", Side.WIDE)]
-        rows = [[one.check.value, one.why] for one in found.not_judged]
+        rows = [[one.check.value, maker.phrase(one.why)] for one in found.not_judged]
         table = PageTable("not-judged", "Checks that could not be made.", columns, rows)
         sections.append(Section("Not judged", [table]))
     views = len(evidence.detections.views)
@@ -97,25 +98,26 @@ def _verdict(found: Diagnosis) -> Verdict:
     )
 
 
-def _table(found: Diagnosis) -> PageTable:
+def _table(found: Diagnosis, maker: PageMaker) -> PageTable:
     columns = [
         Column("mistake", Side.LEFT), Column("what is wrong", Side.WIDE), Column("how to mend it", Side.WIDE),
         Column("adds (mm)"), Column("adds (%)"), Column("p-value"),
     ]  # fmt: skip
     rows = [
         [
-            one.check.value, one.words, one.mend, _number(one.harm_mm), _number(one.harm_percent),
-            MISSING if one.p_value is None else f"{one.p_value:.1g}",
+            one.check.value, maker.phrase(one.words), maker.phrase(one.mend),
+            _number(one.harm_mm), _number(one.harm_percent),
+            _chance(one.p_value),
         ]
         for one in found.findings
     ]  # fmt: skip
     return PageTable("findings", f"{counted(len(rows), 'mistake')}, the most harmful first.", columns, rows)
 
 
-def _evidence(found: Diagnosis, one: Finding, number: int) -> list[Part]:
+def _evidence(found: Diagnosis, one: Finding, number: int, maker: PageMaker) -> list[Part]:
     """Return what shows a mistake: words, the views over time, pictures with their residuals."""
     harm = harm_words(one)
-    parts: list[Part] = [Prose((one.words, *((harm,) if harm else ()), one.mend))]
+    parts: list[Part] = [Prose(tuple(maker.phrase(words) for words in (one.words, harm, one.mend) if words))]
     model = found.evidence.model
     if model is not None and one.views and set(one.views) <= set(model.views) and one.p_value is not None:
         misfit = np.sqrt(model.view_misfits / 2.0)
@@ -146,6 +148,12 @@ def _photographs(found: Diagnosis, one: Finding, number: int) -> list[Part]:
                     q, residual = of.q[rows], of.residual[rows]
         parts.append(Photograph(f"picture-{number}-{at}", path, q, residual, title))
     return parts
+
+
+def _chance(p_value: float | None) -> str:
+    if p_value is None:
+        return MISSING
+    return f"{p_value:.1g}" if p_value > _SHOWN_CHANCE else f"< {_SHOWN_CHANCE:.0e}"
 
 
 def _number(value: float | None) -> str:

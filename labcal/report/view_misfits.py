@@ -35,7 +35,7 @@ def view_misfits(
         axes.plot(at[~marked], misfit[~marked], "o", color=OURS.drawn, label="other views")
         axes.plot(at[marked], misfit[marked], "X", color=SECOND.drawn, label="views of the finding")
         axes.axhline(1.0, color=QUIET.drawn, linestyle="--", linewidth=1, label="as expected")
-        axes.set_ylim(bottom=0.0)
+        axes.set_ylim(0.0, 1.1 * max(1.0, float(misfit.max(initial=1.0))))
         axes.set_ylabel("residual / expected")
         if len(views) <= _MOST_NAMES:
             axes.set_xticks(at, [clipped(view, 16) for view in views], rotation=45, ha="right")

@@ -10,7 +10,7 @@ from labcal.public_object import HtmlTable, PublicObject
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis(PublicObject):
-    """What is wrong with a shoot, the most harmful first.
+    """Mistakes of a shoot, the most harmful first.
 
     Attributes
     ----------

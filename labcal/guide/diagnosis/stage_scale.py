@@ -32,7 +32,7 @@ class StageScale:
 
     @property
     def percent(self) -> float:
-        """What the pitch is larger by, %."""
+        """Relative excess of the pitch, %."""
         return 100.0 * (self.ratio - 1.0)
 
     @property

@@ -25,6 +25,7 @@ SETTINGS: dict[str, tuple[type, ...]] = {
     "measure": (pipeline.MeasureSettings,),
     "evaluate": (),
     "check": (pipeline.CheckSettings,),
+    "diagnose": (),
     "certify": (pipeline.CertifySettings,),
     "compare": (pipeline.CompareSettings,),
     "convert": (pipeline.ConvertSettings,),
@@ -122,6 +123,7 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
         "mend": (labcal.RigCheck.mended, "self"),
         "force": (pipeline.PageOutput, "force"),
     },
+    "diagnose": {"pictures": "source", "cameras": CAMERAS, "force": (pipeline.PageOutput, "force")},
     "certify": {
         "source": "points",
         "output": "page",

@@ -23,6 +23,6 @@ def _words(_: ShootModel, one: Explanation) -> tuple[str, str]:
         f"The board is bent: its dots are up to {bend:.2g} mm off a plane at the edge.",
         (
             "Glue the print on a flat plate (glass, aluminium composite), or calibrate with the dots freed: "
-            "`--free-dots`."
+            "`dot_places='freed'`."
         ),
     )

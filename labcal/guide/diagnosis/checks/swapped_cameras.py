@@ -27,7 +27,7 @@ def check(evidence: Evidence) -> CheckResult:
             f"Pictures of '{first}' and '{second}' are exchanged in {counted(len(views), 'view')}, or in all "
             f"others: {named}."
         )
-        mend = "Exchange the names of these pictures, or state which camera took which: `--cameras`."
+        mend = "Exchange the names of these pictures, or state which camera took which: `cameras`."
         found.append(
             Finding(
                 CheckName.SWAPPED_CAMERAS,

@@ -44,7 +44,7 @@ def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
     )
 
 
-def _by_stage(evidence: Evidence, scale: StageScale) -> CheckResult:
+def _by_stage(evidence: Evidence, scale: StageScale) -> tuple[Finding, ...]:
     harm = scale.harm_mm
     percent = evidence.harm_percent_of(harm)
     if scale.p_value >= LEVEL or (percent is not None and percent < 100.0 * LEAST_HARM):

@@ -48,12 +48,12 @@ def check(evidence: Evidence) -> CheckResult:
     )
     if fits is None:
         mend = (
-            "Name the target that the pictures show with `--target`, or write a description of it; look "
+            "Name the target that the pictures show with `target`, or write a description of it; look "
             "whether rings or markers are hidden, cut off or glaring."
         )
     else:
         words += f" They show '{fits}'."
-        mend = f"Name it: `--target {fits}`."
+        mend = f"Name it: `target='{fits}'`."
     return (
         Finding(
             CheckName.WRONG_TARGET,

@@ -30,7 +30,7 @@ class Term:
     @property
     def count(self) -> int:
         """Number of parameters."""
-        return self.columns.shape[1] * (1 + int(self.groups.max()))
+        return int(self.columns.shape[1]) * (1 + int(self.groups.max()))
 
 
 @dataclass(frozen=True)

@@ -86,7 +86,7 @@ class ShootModel:
         for products, moved in zip(self.forms.products, self._moved(self.good, ()), strict=True):
             step = np.append(moved, 1.0)
             found.append(float(step @ products @ step))
-        return np.array(found) / np.maximum(self.forms.dots.sum(axis=0), 1.0)
+        return np.asarray(np.array(found) / np.maximum(self.forms.dots.sum(axis=0), 1.0))
 
     def freedom(self, fit: Fit) -> float:
         """Return the degrees of freedom that a fit leaves."""
