@@ -21,6 +21,8 @@ BURNT_SHARE = 0.01
 """Share of the target at full scale from which on edges of dots are cut off."""
 FLAT = 0.3
 """Contrast between paper and ink, as a share of full scale, below which noise of dots counts."""
+_SATURATED_DOTS = 0.1
+"""Share of saturated dots from which on a picture is burnt out."""
 _BRIGHT = 0.6
 """Level of paper that is not dark."""
 _SMALL_CONTRAST = 0.12
@@ -63,8 +65,8 @@ class PictureLook:
     def burnt(self) -> bool:
         """True if too much of the target is at full scale."""
         return (
-            self.refusal is Refusal.SATURATED or self.burnt_share > BURNT_SHARE or self.saturated_dots > 0.1
-        )  # noqa: PLR2004
+            self.refusal is Refusal.SATURATED or self.burnt_share > BURNT_SHARE or self.saturated_dots > _SATURATED_DOTS
+        )
 
     @property
     def dark(self) -> bool:
