@@ -65,7 +65,9 @@ class PictureLook:
     def burnt(self) -> bool:
         """True if too much of the target is at full scale."""
         return (
-            self.refusal is Refusal.SATURATED or self.burnt_share > BURNT_SHARE or self.saturated_dots > _SATURATED_DOTS
+            self.refusal is Refusal.SATURATED
+            or self.burnt_share > BURNT_SHARE
+            or self.saturated_dots > _SATURATED_DOTS
         )
 
     @property
