@@ -21,6 +21,8 @@ BURNT_SHARE = 0.01
 """Share of the target at full scale from which on edges of dots are cut off."""
 FLAT = 0.3
 """Contrast between paper and ink, as a share of full scale, below which noise of dots counts."""
+_SATURATED_DOTS = 0.1
+"""Share of saturated dots from which on a picture is burnt out."""
 _BRIGHT = 0.6
 """Level of paper that is not dark."""
 _SMALL_CONTRAST = 0.12
@@ -46,7 +48,7 @@ class PictureLook:
     sigma_px : float
         Median standard deviation of the measured dots; NaN where none is measured.
     refusal : Refusal or None
-    spoilt : float
+    saturated_dots : float
         Share of the dots that were seen but are flagged as saturated.
     """
 
@@ -57,12 +59,16 @@ class PictureLook:
     directions_px: Float64[np.ndarray, "4"]
     sigma_px: float
     refusal: Refusal | None
-    spoilt: float
+    saturated_dots: float
 
     @property
     def burnt(self) -> bool:
         """True if too much of the target is at full scale."""
-        return self.refusal is Refusal.SATURATED or self.burnt_share > BURNT_SHARE or self.spoilt > 0.1  # noqa: PLR2004
+        return (
+            self.refusal is Refusal.SATURATED
+            or self.burnt_share > BURNT_SHARE
+            or self.saturated_dots > _SATURATED_DOTS
+        )
 
     @property
     def dark(self) -> bool:
@@ -90,7 +96,7 @@ class PictureLook:
 
     @property
     def exposure_words(self) -> str | None:
-        """What is wrong with the exposure; None where it is right."""
+        """The fault of the exposure in words; None where it is right."""
         if self.burnt:
             return f"burnt out: {self.burnt_share:.1%} of the target is at full scale"
         if self.dark:
@@ -116,7 +122,7 @@ def look_at(picture: Shaped[np.ndarray, "*shape"], dots: PictureDots) -> Picture
     ink, paper = np.percentile(levels[inside], ranks) / full
     ok = dots.ok
     sigma = np.sqrt(np.trace(dots.covariance[ok], axis1=1, axis2=2) / 2.0) if ok.any() else np.array([np.nan])
-    spoilt = float(np.mean([flag is DotFlag.SATURATED for flag in dots.flag])) if dots.flag else 0.0
+    saturated_dots = float(np.mean([flag is DotFlag.SATURATED for flag in dots.flag])) if dots.flag else 0.0
     return PictureLook(
         paper=float(paper),
         ink=float(ink),
@@ -125,7 +131,7 @@ def look_at(picture: Shaped[np.ndarray, "*shape"], dots: PictureDots) -> Picture
         directions_px=edge_directions(part),
         sigma_px=float(np.median(sigma)),
         refusal=dots.refusal,
-        spoilt=spoilt,
+        saturated_dots=saturated_dots,
     )
 
 

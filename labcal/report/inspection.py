@@ -48,7 +48,7 @@ class InspectedPicture:
     reason: str | None
     """Reason why the picture has no ids; null if it has."""
     doubt: str | None = None
-    """What is wrong with exposure or sharpness where the target is, in words; null if nothing is."""
+    """The fault of exposure or sharpness where the target is, in words; null if there is none."""
 
 
 @dataclass(frozen=True)

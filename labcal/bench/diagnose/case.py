@@ -49,7 +49,7 @@ class DiagnosedShoot:
 
 
 class DiagnosedFigures(BaseModel):
-    """What the diagnosis of one shoot says."""
+    """The diagnosis of one shoot, in short."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

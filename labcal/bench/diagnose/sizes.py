@@ -1,4 +1,4 @@
-"""Sizes of mistakes: the smallest just above what harms 3-D by 20%, by simulation, and larger ones."""
+"""Sizes of mistakes: the smallest about at what harms 3-D by 20%, and larger ones."""
 
 from collections.abc import Mapping
 
@@ -14,7 +14,7 @@ _SMALLEST: Mapping[CheckName, Mapping[str, float]] = {
     CheckName.WRONG_PITCH: {"wide": 0.005, "narrow": 0.0008, "webcam": 0.006},
     CheckName.ROLLING_SHUTTER: {"wide": 4.0, "narrow": 0.2, "webcam": 3.0},
 }
-"""Where the RMS 3-D error grows by 20%, in the units of the mistake; decision 2026-11-27."""
+"""About the sizes at which the RMS 3-D error grows by 20%, in the units of the mistake."""
 _STEPS: Mapping[CheckName, tuple[float, float, float]] = {
     CheckName.SWAPPED_CAMERAS: (0.05, 0.25, 0.45),
     CheckName.TURNED_TARGET: (0.05, 0.25, 0.45),

@@ -1,4 +1,4 @@
-"""What checks of views have in common: whether they can be made, and a finding of one."""
+"""The common part of checks of views: whether they can be made, and a finding of one."""
 
 from labcal.guide.diagnosis.check_name import CheckName
 from labcal.guide.diagnosis.evidence import Evidence
