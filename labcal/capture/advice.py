@@ -13,7 +13,7 @@ from labcal.capture.source import CameraInfo, FrameSet
 
 @dataclass(frozen=True)
 class Advice:
-    """The next pose, and how far the shoot is."""
+    """The next step, and the state of the shoot so far."""
 
     words: str
     """The next pose in words, or why the capture is done."""
@@ -35,7 +35,7 @@ class Advice:
     coverage: Mapping[str, Int[np.ndarray, "row column"]]
     """By camera: dots found so far in each cell of a coarse grid over the picture."""
     lacks: tuple[str, ...]
-    """Parts of a picture, tilts and distances that the views lack so far, for people."""
+    """Gaps of the views so far, for people: parts of a picture, tilts, distances."""
     views: int
     """Number of usable views so far."""
     done: bool

@@ -110,3 +110,22 @@ def test_two_cameras_of_aravis_deliver_pairs_and_one_that_dies_is_named(tmp_path
     cut = open_shoot(tmp_path / "cut")
     assert len(cut.views()) >= 5
     assert all((cut.folder / path).is_file() for view in cut.views() for path in view.images.values())
+
+
+@pytest.mark.slow
+def test_a_simulated_hand_follows_the_guide_until_the_error_is_reached(labcal: Run, tmp_path: Path) -> None:
+    words = ("capture", "sim:webcam-handheld", "--set", "spp=4", "--guided", "--wanted-mm", 0.9)
+    done = labcal(*words, "--views", 8, "-o", tmp_path / "shoot")
+    assert done.status == ExitStatus.DONE, done.said
+    told, guided = done.document, done.document["guided"]
+    assert guided["done"]
+    assert guided["reached_mm"] <= 0.9
+    assert 4 <= told["views"] == guided["usable_views"] <= 8
+    assert "tilt the top away" in done.said
+    assert len(open_shoot(tmp_path / "shoot").views()) == told["views"]
+
+
+def test_options_of_a_guided_capture_need_one(labcal: Run, tmp_path: Path) -> None:
+    done = labcal("capture", "sim:webcam-handheld", "--wanted-mm", 0.9, "-o", tmp_path / "shoot")
+    assert done.status == ExitStatus.UNUSABLE
+    assert "Only guided captures have --wanted-mm. Add --guided" in done.said

@@ -32,7 +32,7 @@ def nearby_poses(
 
 @dataclass(frozen=True)
 class HandReach:
-    """Where and how a hand holds the target.
+    """Reach of a hand that holds the target: places, distances and quarter turns.
 
     Attributes
     ----------

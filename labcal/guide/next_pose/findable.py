@@ -33,7 +33,7 @@ _SURE = 0.95
 
 @dataclass(frozen=True)
 class Findable:
-    """What of a target a camera must see, so that its dots get ids.
+    """The part of a target that a camera must see, so that its dots get ids.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a view of the target adds to the information on lenses and poses of a rig."""
+"""The information that a view of the target adds on lenses and poses of a rig."""
 
 from collections.abc import Callable
 
