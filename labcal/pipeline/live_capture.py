@@ -170,11 +170,8 @@ class _Ending:
 
     def _findings(self, made: "Calibration") -> tuple[str, ...]:
         """Return what the diagnosis finds wrong with the shoot and how to mend it, the most harmful first."""
-        from labcal import pipeline
+        from labcal.pipeline.diagnosis import diagnose
 
-        diagnose = getattr(pipeline, "diagnose", None)
-        if diagnose is None:
-            return ()
         try:
             found = diagnose(self.folder, rig=made.rig).findings
         except InputError:  # no picture shows enough to judge
