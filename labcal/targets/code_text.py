@@ -48,6 +48,12 @@ class PrintedTarget:
         The target that is printed, as designed.
     copy : int
         Number that tells prints of one design apart; 0 where it was left out.
+
+    Examples
+    --------
+    >>> import labcal
+    >>> labcal.PrintedTarget(labcal.load_target("rings-10x8"), 2).name
+    'rings-10x8#2'
     """
 
     target: AnyTarget

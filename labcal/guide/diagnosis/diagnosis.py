@@ -21,6 +21,13 @@ class Diagnosis(PublicObject):
     not_judged : tuple of NotJudged
         Checks that could not be made.
     evidence : Evidence
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> found = pipeline.diagnose(examples.detections(), examples.TARGET)
+    >>> len(found.not_judged) < 15
+    True
     """
 
     findings: tuple[Finding, ...]
