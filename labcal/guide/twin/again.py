@@ -15,7 +15,7 @@ from labcal.guide.twin.dot_windows import BlurredShare, DotWindows, Windows, blu
 from labcal.guide.twin.known_print import KnownPrint
 from labcal.guide.twin.light import PictureLight, fitted_light
 from labcal.guide.twin.noise import PictureNoise, measured_noise
-from labcal.guide.twin.ray_noise import ray_variance
+from labcal.guide.twin.ray_noise import ray_variance, with_lamps
 from labcal.guide.twin.region import compared_pixels
 from labcal.guide.twin.scene import still_take, twin_scene
 from labcal.guide.twin.stored import StoredValues
@@ -54,6 +54,8 @@ class TwinJob:
     spp, draws, seed : int
     rays : int or None
         Rays a pixel of the photograph, where it is a rendering that says so.
+    lamp_variance : float
+        Of the light of one such ray by the choice of lamps, over the square of its mean.
     folder : Path or None
         Where pictures are written: ``rendering``, ``difference`` and ``images``; None for none.
     name : str
@@ -70,6 +72,7 @@ class TwinJob:
     draws: int
     seed: int
     rays: int | None
+    lamp_variance: float
     folder: Path | None
     name: str
 
@@ -157,7 +160,12 @@ def rendered_share(job: TwinJob) -> PaperShare:
     take = still_take(job.source.view, job.source.camera, job.camera, job.T_world_target)
     scene = twin_scene(job.camera, job.T_world_target, job.known)
     wanted = EdgeRays(job.spp) if job.rays is None else EdgeRays(job.spp, job.rays, 1 + job.draws)
-    return paper_share(scene, Case(take, job.seed), wanted)
+    made = paper_share(scene, Case(take, job.seed), wanted)
+    if job.rays is None:
+        return made
+    return with_lamps(
+        made, job.lamp_variance / job.rays, generator(job.seed, take.view, take.camera, "lamps")
+    )
 
 
 def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
