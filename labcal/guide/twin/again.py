@@ -125,7 +125,7 @@ class RenderedAgain:
         found = []
         for light, noise in zip(self.light, self.noise, strict=True):
             contrast = light.paper.over(by_rays.shape) - light.ink.over(by_rays.shape)
-            found.append(noise.variance(light.image(self.behind.share)) + contrast**2 * by_rays)
+            found.append(_least(noise, light.image(self.behind.share), self.stored) + contrast**2 * by_rays)
         return found
 
     def noisy(self, number: int, random: np.random.Generator) -> np.ndarray:
@@ -163,9 +163,8 @@ def rendered_share(job: TwinJob) -> PaperShare:
     made = paper_share(scene, Case(take, job.seed), wanted)
     if job.rays is None:
         return made
-    return with_lamps(
-        made, job.lamp_variance / job.rays, generator(job.seed, take.view, take.camera, "lamps")
-    )
+    random = generator(job.seed, take.view, take.camera, "lamps")
+    return with_lamps(made, job.lamp_variance / job.rays, random)
 
 
 def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
@@ -209,7 +208,7 @@ def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
         around = Windows.around(images.outline[images.ok], blur, compared, not target.is_white_on_black)
         contrast = light.paper.over(behind.share.shape) - light.ink.over(behind.share.shape)
         by_rays = contrast**2 * ray_variance(rendering, blur)
-        variance = noise.variance(light.image(behind.share)) + by_rays
+        variance = _least(noise, light.image(behind.share), stored) + by_rays
         windows = dot_windows(photo[main], variance, behind, light, around)
         step = float(np.clip(windows.typical(BLUR), -0.4 * blur, 1.5))
         found = RenderedAgain(
@@ -244,6 +243,13 @@ def _light_and_noise(
         return None
     noise = measured_noise(channel, compared & (share > 1.0 - _PURE), compared & (share < _PURE))
     return None if noise is None else (light, noise)
+
+
+def _least(
+    noise: PictureNoise, light: Float32[np.ndarray, "h w"], stored: StoredValues
+) -> Float32[np.ndarray, "h w"]:
+    """Return the variance of the noise, which is that of rounding at least: dark ink may all be one value."""
+    return np.asarray(np.maximum(noise.variance(light), stored.step_variance(light)))
 
 
 def _nothing(job: TwinJob) -> InputError:
