@@ -140,9 +140,9 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
         raise InputError("No picture is given. Give a shoot, or pictures and folders of pictures.")
     endings = {} if cameras is None else camera_endings(cameras)
     left_out = tuple(left_out_words(paths))
-    told = ",".join(f"{ending}={camera}" for ending, camera in endings.items())
+    text = ",".join(f"{ending}={camera}" for ending, camera in endings.items())
     sources = tuple(find_sources(paths, endings))
-    return PictureSet(sources, None, _name(paths[0]), tuple(paths), left_out, told)
+    return PictureSet(sources, None, _name(paths[0]), tuple(paths), left_out, text)
 
 
 def target_shown(

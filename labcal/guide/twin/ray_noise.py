@@ -2,7 +2,7 @@
 
 A camera has no such noise; a shoot of the rendered laboratory has it where a pixel shows an edge, and says in
 ``run.json`` how many rays a pixel had. Each ray that meets paper chooses one lamp, so that lamps add to it;
-which there were is told beside the truth of the shoot.
+the scene beside the truth of the shoot says which there are.
 """
 
 import json
