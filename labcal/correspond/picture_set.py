@@ -39,6 +39,8 @@ class PictureSet(PublicObject):
         Paths as they were given.
     warnings : tuple of str
         Files in the folders that are left out, for people.
+    endings : str
+        What tells the cameras of loose pictures, as ``--cameras`` takes it; empty where nothing was given.
     """
 
     sources: tuple[Source, ...]
@@ -46,6 +48,7 @@ class PictureSet(PublicObject):
     name: str
     given: tuple[str, ...]
     warnings: tuple[str, ...] = ()
+    endings: str = ""
 
     def _summary(self) -> Mapping[str, object]:
         cameras = list(dict.fromkeys(source.camera for source in self.sources))
@@ -137,7 +140,9 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
         raise InputError("No picture is given. Give a shoot, or pictures and folders of pictures.")
     endings = {} if cameras is None else camera_endings(cameras)
     left_out = tuple(left_out_words(paths))
-    return PictureSet(tuple(find_sources(paths, endings)), None, _name(paths[0]), tuple(paths), left_out)
+    text = ",".join(f"{ending}={camera}" for ending, camera in endings.items())
+    sources = tuple(find_sources(paths, endings))
+    return PictureSet(sources, None, _name(paths[0]), tuple(paths), left_out, text)
 
 
 def target_shown(

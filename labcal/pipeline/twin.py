@@ -1,6 +1,7 @@
 """The digital twin of a shoot: rendered again with its calibrated rig, and compared with the photographs."""
 
 import os
+import shlex
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from labcal.pipeline.pages import page_maker
 from labcal.pipeline.print_places import dots_beside, given_places
 from labcal.run.progress import Progress, progress_of
 from labcal.targets.catalogue import AnyTarget
-from labcal.targets.places import DotPlaces
+from labcal.targets.places import DotPlaces, is_places
 
 if TYPE_CHECKING:
     from labcal.correspond.picture_set import AnyPictures, PictureSet
@@ -94,7 +95,7 @@ def twin(
     command = f"twin {calibrated.model_dump_json()} {how.views} {how.spp} {how.draws} {how.seed}"
     with unfinished_folder(as_path(folder), command, force=how.force) as working:
         found = made_twin(calibrated, photographs, known, how, (working, receiver))
-        write_twin(working, found, page_maker(_page(opened, rig), "twin", arguments))
+        write_twin(working, found, page_maker(_page(opened, rig, target, how), "twin", arguments))
     return found
 
 
@@ -113,7 +114,7 @@ def _measured(
     """
     from labcal.correspond.measure import detections_of, measure_pictures
     from labcal.guide.twin.making import Photographs, chosen_views
-    from labcal.guide.twin.ray_noise import rays_of_shoot
+    from labcal.guide.twin.ray_noise import lamp_variances, rays_of_shoot
     from labcal.run.executor import open_executor
 
     if not opened.sources:
@@ -124,14 +125,31 @@ def _measured(
     rays = None if opened.shoot is None else rays_of_shoot(opened.shoot.folder)
     with open_executor(how.workers) as executor:
         found = detections_of(measure_pictures(sources, target, executor, receiver))
-    return Photographs(sources, found, rays)
+    lamps = {} if opened.shoot is None or rays is None else lamp_variances(opened.shoot.folder)
+    return Photographs(sources, found, rays, lamps)
 
 
-def _page(opened: "PictureSet", rig: Rig | AnyPath) -> "PageOutput":
+def _page(
+    opened: "PictureSet",
+    rig: Rig | AnyPath,
+    target: AnyTarget | DotPlaces | AnyPath | None,
+    how: "TwinSettings",
+) -> "PageOutput":
     """Return the page, which names the command that makes it again, but not where it is."""
+    from labcal.guide.twin.settings import TwinSettings
     from labcal.report.page.output import PageOutput
 
-    if isinstance(rig, Rig) or not opened.given:
+    named = target is None or isinstance(target, str | os.PathLike)
+    if isinstance(rig, Rig) or not opened.given or not named:
         return PageOutput("index.html")
-    command = " ".join(["labcal twin", *opened.given, os.fspath(rig), "-o DIR"])
-    return PageOutput("index.html", command=command, inputs=(*opened.given, rig))
+    words = ["labcal", "twin", *opened.given, os.fspath(rig), "-o", "DIR"]
+    if isinstance(target, str | os.PathLike):
+        words += ["--dots" if is_places(target) else "--target", os.fspath(target)]
+    words += ["--cameras", opened.endings] if opened.endings else []
+    views = ",".join(how.views) if isinstance(how.views, tuple) else how.views
+    values = {"views": (views, None)} | {
+        name: (getattr(how, name), getattr(TwinSettings(), name)) for name in ("spp", "draws", "seed")
+    }
+    for name, (value, usual) in values.items():
+        words += [] if value == usual else [f"--{name}", str(value)]
+    return PageOutput("index.html", command=shlex.join(words), inputs=(*opened.given, rig))

@@ -57,17 +57,30 @@ def irradiance(lamp: Lamp, p: Vectors3, normal: np.ndarray) -> np.ndarray:
     """
     if isinstance(lamp, Ambient):
         return np.full(len(p), np.pi * lamp.radiance)
+    return np.asarray(patch_irradiances(lamp, p, normal).sum(axis=-1))
+
+
+def patch_irradiances(lamp: Panel | Ring | Spot, p: Vectors3, normal: np.ndarray) -> np.ndarray:
+    """Return the parts of :func:`irradiance` by patches of a lamp, all of one area, shape (n, patches).
+
+    Parameters
+    ----------
+    lamp : Panel, Ring or Spot
+    p : ndarray, shape (n, 3)
+        Points of the surface, world, mm.
+    normal : ndarray, shape (3,) or (n, 3)
+        Its unit normal.
+    """
     T_world_lamp = lamp_pose(lamp)
     if isinstance(lamp, Spot):
-        return _from_spot(lamp, T_world_lamp, p, normal)
+        return _from_spot(lamp, T_world_lamp, p, normal)[:, None]
     local, area = _panel_patches(lamp) if isinstance(lamp, Panel) else _ring_patches(lamp)
     patches = transform(T_world_lamp, local)
     way = patches - p[:, None, :]
     squared = (way**2).sum(axis=-1)
     at_surface = np.clip((way * _per_point(normal)[:, None, :]).sum(axis=-1), 0.0, None)
     at_lamp = np.clip(-way @ T_world_lamp[:3, 2], 0.0, None)
-    total: np.ndarray = lamp.radiance * (area * at_surface * at_lamp / squared**2).sum(axis=-1)
-    return total
+    return np.asarray(lamp.radiance * area * at_surface * at_lamp / squared**2)
 
 
 def _per_point(normal: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from labcal.targets.places import DotPlaces
 
 pytestmark = pytest.mark.slow
 SIGMAS = 4.0
-VIEWS = 4
+VIEWS = 3
 
 
 @dataclass(frozen=True)
@@ -45,10 +45,16 @@ def _scene() -> Scene:
             "kind": "handheld", "train": VIEWS, "test": 0, "centre_mm": [0.0, 65.0, 0.0],
             "spread_mm": [3.0, 4.0, 3.0], "tilt_max_deg": 30.0, "roll_max_deg": 40.0,
         },
-        "lamps": [{"kind": "ambient", "radiance": 1.0}],
+        "lamps": [
+            {"kind": "panel", "centre_mm": [300.0, -300.0, 300.0], "look_at_mm": [0.0, 65.0, 0.0],
+             "size_mm": [200.0, 200.0], "radiance": 9.0},
+            {"kind": "panel", "centre_mm": [-300.0, -300.0, 0.0], "look_at_mm": [0.0, 65.0, 0.0],
+             "size_mm": [200.0, 200.0], "radiance": 5.0},
+            {"kind": "ambient", "radiance": 0.1},
+        ],
         "room": {"floor_z_mm": -4000.0, "wall_y_mm": 4000.0, "table_z_mm": -3900.0},
         "photometry": {"format": "png", "tone_curve": "linear", "full_well_e": 8000.0},
-        "spp": 256,
+        "spp": 64,
     })  # fmt: skip
 
 
@@ -63,7 +69,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Bench:
 
 
 def _twin(shoot: object, rig: Rig, target: object = None, folder: Path | None = None) -> labcal.Twin:
-    return labcal.twin(shoot, rig, folder, target, labcal.TwinSettings(spp=256))
+    return labcal.twin(shoot, rig, folder, target, labcal.TwinSettings(spp=128))
 
 
 def test_residuals_are_at_noise_level(bench: Bench, tmp_path: Path) -> None:

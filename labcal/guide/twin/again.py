@@ -15,7 +15,7 @@ from labcal.guide.twin.dot_windows import BlurredShare, DotWindows, Windows, blu
 from labcal.guide.twin.known_print import KnownPrint
 from labcal.guide.twin.light import PictureLight, fitted_light
 from labcal.guide.twin.noise import PictureNoise, measured_noise
-from labcal.guide.twin.ray_noise import ray_variance
+from labcal.guide.twin.ray_noise import ray_variance, with_lamps
 from labcal.guide.twin.region import compared_pixels
 from labcal.guide.twin.scene import still_take, twin_scene
 from labcal.guide.twin.stored import StoredValues
@@ -54,6 +54,8 @@ class TwinJob:
     spp, draws, seed : int
     rays : int or None
         Rays a pixel of the photograph, where it is a rendering that says so.
+    lamp_variance : float
+        Of the light of one such ray by the choice of lamps, over the square of its mean.
     folder : Path or None
         Where pictures are written: ``rendering``, ``difference`` and ``images``; None for none.
     name : str
@@ -70,6 +72,7 @@ class TwinJob:
     draws: int
     seed: int
     rays: int | None
+    lamp_variance: float
     folder: Path | None
     name: str
 
@@ -122,7 +125,7 @@ class RenderedAgain:
         found = []
         for light, noise in zip(self.light, self.noise, strict=True):
             contrast = light.paper.over(by_rays.shape) - light.ink.over(by_rays.shape)
-            found.append(noise.variance(light.image(self.behind.share)) + contrast**2 * by_rays)
+            found.append(_least(noise, light.image(self.behind.share), self.stored) + contrast**2 * by_rays)
         return found
 
     def noisy(self, number: int, random: np.random.Generator) -> np.ndarray:
@@ -157,7 +160,11 @@ def rendered_share(job: TwinJob) -> PaperShare:
     take = still_take(job.source.view, job.source.camera, job.camera, job.T_world_target)
     scene = twin_scene(job.camera, job.T_world_target, job.known)
     wanted = EdgeRays(job.spp) if job.rays is None else EdgeRays(job.spp, job.rays, 1 + job.draws)
-    return paper_share(scene, Case(take, job.seed), wanted)
+    made = paper_share(scene, Case(take, job.seed), wanted)
+    if job.rays is None:
+        return made
+    random = generator(job.seed, take.view, take.camera, "lamps")
+    return with_lamps(made, job.lamp_variance / job.rays, random)
 
 
 def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
@@ -201,7 +208,7 @@ def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
         around = Windows.around(images.outline[images.ok], blur, compared, not target.is_white_on_black)
         contrast = light.paper.over(behind.share.shape) - light.ink.over(behind.share.shape)
         by_rays = contrast**2 * ray_variance(rendering, blur)
-        variance = noise.variance(light.image(behind.share)) + by_rays
+        variance = _least(noise, light.image(behind.share), stored) + by_rays
         windows = dot_windows(photo[main], variance, behind, light, around)
         step = float(np.clip(windows.typical(BLUR), -0.4 * blur, 1.5))
         found = RenderedAgain(
@@ -236,6 +243,13 @@ def _light_and_noise(
         return None
     noise = measured_noise(channel, compared & (share > 1.0 - _PURE), compared & (share < _PURE))
     return None if noise is None else (light, noise)
+
+
+def _least(
+    noise: PictureNoise, light: Float32[np.ndarray, "h w"], stored: StoredValues
+) -> Float32[np.ndarray, "h w"]:
+    """Return the variance of the noise, which is that of rounding at least: dark ink may all be one value."""
+    return np.asarray(np.maximum(noise.variance(light), stored.step_variance(light)))
 
 
 def _nothing(job: TwinJob) -> InputError:

@@ -14,6 +14,8 @@ _FEWEST = 12
 _BETTER = 0.995
 """Of the squared residuals of pixels that were held out: a higher degree must gain more than chance does."""
 _CLIP = 5.0
+_ROUNDING = 12.0**-0.5
+"""Standard deviation of rounding in steps of the values; dark ink may show no other noise."""
 _PURE = 1e-3
 """A pixel shows one colour where the share of the other is less."""
 
@@ -138,11 +140,13 @@ def _robust(
 ) -> tuple[Float64[np.ndarray, " terms"], float]:
     """Return coefficients without pixels far off (dust, a scratch), and the scatter of the others."""
     keep = np.ones(len(value), dtype=bool)
+    steps = np.diff(np.unique(value))
+    least = max(_ROUNDING * float(np.median(steps)) if len(steps) else 0.0, 1e-9)
     for _ in range(2):
         some = design[keep]
         coefficients = np.linalg.lstsq(some.T @ some, some.T @ value[keep], rcond=None)[0]
         off = value - design @ coefficients
-        scatter = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), 1e-9)
+        scatter = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), least)
         keep = np.abs(off) <= _CLIP * scatter
     return coefficients, scatter
 

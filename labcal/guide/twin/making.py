@@ -1,7 +1,7 @@
 """The making of a twin: poses, a first look, every picture rendered again, and what that explains."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -43,11 +43,14 @@ class Photographs:
         Their dots.
     rays : int or None
         Rays a pixel, where they are renderings that say so.
+    lamp_variance : mapping of str to float
+        By view, the variance of the light of such a ray by the choice of lamps; 0 where nothing is said.
     """
 
     sources: tuple[Source, ...]
     detections: Detections
     rays: int | None = None
+    lamp_variance: Mapping[str, float] = field(default_factory=dict)
 
 
 def known_print(given: AnyTarget | DotPlaces) -> KnownPrint:
@@ -178,7 +181,8 @@ def _jobs(
                 source=by_key[view, camera], known=known, camera=posed.state.cameras[picture.camera],
                 T_world_target=posed.state.T_world_target[picture.view],
                 dots=posed.observations.dot[picture.rows], curve=ToneCurve.LINEAR,
-                spp=how.spp, draws=how.draws, seed=how.seed, rays=photographs.rays, folder=folder,
+                spp=how.spp, draws=how.draws, seed=how.seed, rays=photographs.rays,
+                lamp_variance=photographs.lamp_variance.get(view, 0.0), folder=folder,
                 name=f"{view}_{camera}.png",
             ))  # fmt: skip
     if not jobs:

@@ -34,3 +34,14 @@ def test_samples_are_uniform_and_purposes_and_pixels_independent() -> None:
     correlation = np.corrcoef(pairs.T)[np.triu_indices(4, 1)]
     assert np.abs(correlation).max() < 3.5 / np.sqrt(20_000)
     assert not np.array_equal(first, drawn(4, 20_000, seed=4))
+
+
+def test_samples_in_one_half_of_a_pixel_choose_no_half_of_a_lamp() -> None:
+    pixel, lamp = drawn(64, 2000), drawn(64, 2000, purpose=1)
+    for of_pixel in (0, 1):
+        for of_lamp in (0, 1):
+            left = pixel[..., of_pixel] < 0.5
+            both = (left & (lamp[..., of_lamp] < 0.5)).sum(axis=1)
+            random = 32 * 0.5 * 0.5 * 32 / 63  # variance of 32 drawn of 64 at random, of which 32 are wanted
+            assert both.var() < 3.0 * random  # 256 where the one half takes the other
+            assert abs(both.mean() - 16) < 4.0 * np.sqrt(both.var() / 2000)

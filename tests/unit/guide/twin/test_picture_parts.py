@@ -77,3 +77,13 @@ def test_rounding_has_the_variance_of_a_step() -> None:
     light = np.full((2, 2), 100.0, dtype=np.float32)
     stored = StoredValues("uint8", ToneCurve.LINEAR)
     np.testing.assert_allclose(stored.step_variance(light), 1.0 / 12.0, rtol=1e-6)
+
+
+def test_ink_so_dark_that_rounding_leaves_two_values_has_its_mean() -> None:
+    random = np.random.default_rng(0)
+    light = np.rint(3.8 + 0.15 * random.standard_normal((60, 60))).astype(np.float32)  # 4, now and then 3
+    light[:, 30:] = np.rint(150.0 + random.standard_normal((60, 30)))
+    share = np.repeat(np.repeat(np.float32([[0.0, 1.0]]), 30, axis=1), 60, axis=0)
+    found = fitted_light(light, share, np.ones((60, 60), dtype=bool), random)
+    assert found is not None
+    assert abs(float(found.ink.over((60, 60))[:, :30].mean()) - float(light[:, :30].mean())) < 0.05
