@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.spatial.transform import Rotation
 
-from labcal.arrays import Matrix3, Pixels, Pose
+from labcal.arrays import Matrix3, Pixels, Pose, Vectors3
 from labcal.correspond.detections import Detections
 from labcal.geometry.poses import from_rotation_vector
 from labcal.guide.next_pose.findable import Findable
@@ -94,10 +94,19 @@ def _tilted(
     K = camera_matrix(FOCAL * size[0], size)
     T = pose_by_pixels(target.points(own.index), own.position, K)
     R, t = T[:3, :3], T[:3, 3]
-    held = turned_away(first) @ turned_away(FIRST_POSES[0]).T @ R
+    held = turned_away(first) @ _facing(R, R @ findable.middle + t)
     p = (findable.outline() - findable.middle) @ held.T + R @ findable.middle + t
     q = p @ K.T
     return np.asarray(q[:, :2] / q[:, 2:])
+
+
+def _facing(R: Matrix3, place: Vectors3) -> Matrix3:
+    """Return a rotation R of a target, turned the shortest way so that the target faces the camera."""
+    toward = -place / np.linalg.norm(place)
+    across = np.cross(R[:, 2], toward)
+    sine = np.linalg.norm(across)
+    turn = np.arctan2(sine, R[:, 2] @ toward) * across / max(sine, 1e-12)
+    return np.asarray(Rotation.from_rotvec(turn).as_matrix() @ R)
 
 
 def turned_away(first: FirstPose) -> Matrix3:

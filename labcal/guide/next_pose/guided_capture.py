@@ -18,7 +18,6 @@ from labcal.guide.next_pose.candidates import HandReach
 from labcal.guide.next_pose.choice import next_pose
 from labcal.guide.next_pose.findable import Findable
 from labcal.guide.next_pose.first_poses import FIRST_POSES, first_outlines
-from labcal.guide.next_pose.hand import HandError
 from labcal.guide.next_pose.picture_faults import picture_faults, repeated
 from labcal.guide.next_pose.rough_rig import RoughRig
 from labcal.guide.next_pose.standing import Standing
@@ -31,8 +30,8 @@ CELLS = (6, 8)
 """Rows and columns of the grid of a picture in which found dots are counted."""
 FEWEST_VIEWS = 3
 """Views from which on a calibration is tried."""
-ROUGHLY = HandReach(np.zeros(3), 4, 0.75, 1.3, HandError(8.0, 0.08))
-"""Before there is a calibration: poses are asked for less exactly than a hand takes them."""
+ROUGHLY = HandReach(np.zeros(3), 4, 0.75, 1.3)
+"""Before there is a calibration: not as near and not as far as later."""
 _FEWEST_DOTS = 12
 """Of a picture that counts."""
 
