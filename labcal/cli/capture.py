@@ -183,6 +183,7 @@ class CaptureResult:
 def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Take the pictures."""
     from labcal.capture.advice_text import summary
+    from labcal.cli.compiling import announce_compiling
     from labcal.pipeline import CaptureSettings, SourceSettings, capture
     from labcal.run.begun import COMMAND
     from labcal.run.claims import FolderOutput, claim_outputs
@@ -213,6 +214,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         guide=guide_settings(arguments),
     )
     ask = _asks(arguments, session)
+    if arguments.guided or arguments.page:
+        announce_compiling(session)
     made: CapturedLive | None = None
     if arguments.page:
         made = _on_page(arguments, settings, session)

@@ -10,6 +10,7 @@ from labcal.arrays import Pose, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.geometry.poses import pose
 from labcal.guide.next_pose.findable import MOST_TILT_DEG
+from labcal.guide.next_pose.hand import USUAL, HandError
 from labcal.guide.next_pose.volume import middle_of_eyes
 
 _SURE_NEAR, _SURE_FAR = 0.8, 1.25
@@ -42,12 +43,15 @@ class HandReach:
         Quarter turns to draw from: 1 (always upright) to 4.
     near, far : float
         Distances from the cameras, as shares of the one at which the target was held first.
+    hand : HandError
+        Its errors, with which the target must still be found.
     """
 
     centre: Vectors3
     quarters: int
     near: float = 0.6
     far: float = 1.5
+    hand: HandError = USUAL
 
     def without(self, share: float) -> "HandReach":
         """Return the reach without distances at which the target was not found, from a share of the first on.

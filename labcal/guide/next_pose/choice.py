@@ -63,7 +63,7 @@ def next_pose(
             return None
         added = view_information(cameras, pool.T_world_target, target, pool.seen, variance)
         left = mean_squares_after(covariance, added, volume.square_by_parameters)
-        pool = pool.sure(np.argsort(left, kind="stable"), cameras, target)
+        pool = pool.sure(np.argsort(left, kind="stable"), cameras, target, reach.hand)
     if len(pool.T_world_target) == 0:
         return None
     return pool.T_world_target[0], pool.found[:, 0]
@@ -87,11 +87,17 @@ class _Pool:
         enough = np.flatnonzero(found.sum(axis=0) >= min(_PAIR, len(cameras)))[:LOOKED_AT]
         return cls(drawn[enough], found[:, enough], (seen & found[..., None])[:, enough])
 
-    def sure(self, order: Int[np.ndarray, " n"], cameras: tuple[Camera, ...], target: Findable) -> "_Pool":
+    def sure(
+        self,
+        order: Int[np.ndarray, " n"],
+        cameras: tuple[Camera, ...],
+        target: Findable,
+        hand: HandError,
+    ) -> "_Pool":
         """Return the first poses of an order at which a hand with its errors is found, too."""
         good: list[int] = []
         for number in order:
-            sure = target.sure(cameras, self.T_world_target[number], HandError())
+            sure = target.sure(cameras, self.T_world_target[number], hand)
             if (sure | ~self.found[:, number]).all():
                 good.append(int(number))
             if len(good) == BEST:

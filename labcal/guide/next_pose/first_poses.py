@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.spatial.transform import Rotation
 
-from labcal.arrays import Pixels, Pose
+from labcal.arrays import Matrix3, Pixels, Pose, Vectors3
 from labcal.correspond.detections import Detections
 from labcal.geometry.poses import from_rotation_vector
 from labcal.guide.next_pose.findable import Findable
@@ -16,9 +16,12 @@ from labcal.targets.catalogue import AnyTarget
 
 _WIDTH = 0.5
 """Of the first outline, as a share of the picture's smaller side over that of the target."""
-_FOCAL = 1.1
+FOCAL = 1.1
 """Guess of a focal length over the picture's width: 49 degrees. It only draws outlines."""
-_FEWEST = 6
+FEWEST = 6
+"""Dots of a picture that give a pose."""
+FIRST_TILT_DEG = 25.0
+"""Of the very first pose: a target that faces a camera would tell no focal length."""
 
 
 @dataclass(frozen=True)
@@ -33,14 +36,14 @@ class FirstPose:
 
 FIRST_POSES: Sequence[FirstPose] = (
     FirstPose(
-        (0.0, -1.0), 0.0,
-        "Hold the target where you will measure, upright, facing the cameras, so that every camera sees all "
-        "of it, as large as possible",
+        (0.0, -1.0), FIRST_TILT_DEG,
+        "Hold the target where you will measure, upright, its top tilted away from the cameras by about 25 "
+        "degrees, so that every camera sees all of it, as large as possible",
     ),
-    FirstPose((0.0, -1.0), 35.0, "Stay there, and tilt the top away from the cameras by about 35 degrees"),
+    FirstPose((0.0, 1.0), 30.0, "Stay there, and tilt the bottom away from the cameras by about 30 degrees"),
     FirstPose((1.0, 0.0), 35.0, "Stay there, and turn the right side away by about 35 degrees"),
     FirstPose((-0.8, -0.6), 30.0, "Stay there, and tilt the upper left corner away by about 30 degrees"),
-    FirstPose((0.0, 1.0), 30.0, "Stay there, and tilt the bottom away by about 30 degrees"),
+    FirstPose((0.8, 0.6), 30.0, "Stay there, and tilt the lower right corner away by about 30 degrees"),
     FirstPose((-1.0, 0.0), 30.0, "Stay there, and turn the left side away by about 30 degrees"),
 )  # fmt: skip
 """In their order; begun again where they do not suffice."""
@@ -68,33 +71,54 @@ def first_outlines(
     found = {}
     for name, size in sizes.items():
         own = dots.where((dots.camera == name) & dots.has_id & (dots.flag == "ok"))
-        if len(own) >= _FEWEST:
+        if len(own) >= FEWEST:
             found[name] = _tilted(own, size, FIRST_POSES[number % len(FIRST_POSES)], (target, findable))
     return found
 
 
 def _in_the_middle(size: tuple[int, int], target: Findable) -> Pixels:
-    flat = (target.outline() - target.middle)[:, :2] * [1.0, -1.0]
     extent = target.extent_mm[1] - target.extent_mm[0]
-    scale = _WIDTH * float(np.min(np.array(size) / extent))
-    return np.asarray(scale * flat + 0.5 * (np.array(size) - 1.0))
+    focal = FOCAL * size[0]
+    distance = focal / (_WIDTH * float(np.min(np.array(size) / extent)))
+    R = turned_away(FIRST_POSES[0]) @ np.diag([1.0, -1.0, -1.0])
+    p = (target.outline() - target.middle) @ R.T + [0.0, 0.0, distance]
+    q = p @ camera_matrix(focal, size).T
+    return np.asarray(q[:, :2] / q[:, 2:])
 
 
 def _tilted(
     own: Detections, size: tuple[int, int], first: FirstPose, of: tuple[AnyTarget, Findable]
 ) -> Pixels:
-    """Return the outline of the target as it was seen in the first view, tilted about its middle."""
+    """Return the outline of the target where it was seen in the first view, tilted otherwise."""
     target, findable = of
-    focal = _FOCAL * size[0]
-    K = np.array([[focal, 0.0, 0.5 * (size[0] - 1)], [0.0, focal, 0.5 * (size[1] - 1)], [0.0, 0.0, 1.0]])
+    K = camera_matrix(FOCAL * size[0], size)
     T = pose_by_pixels(target.points(own.index), own.position, K)
     R, t = T[:3, :3], T[:3, 3]
-    right, down = first.edge
-    turn = np.radians(first.tilt_deg) * np.array([down, -right, 0.0]) / np.hypot(right, down)
-    held = Rotation.from_rotvec(turn).as_matrix() @ R
+    held = turned_away(first) @ _facing(R, R @ findable.middle + t)
     p = (findable.outline() - findable.middle) @ held.T + R @ findable.middle + t
     q = p @ K.T
     return np.asarray(q[:, :2] / q[:, 2:])
+
+
+def _facing(R: Matrix3, place: Vectors3) -> Matrix3:
+    """Return a rotation R of a target, turned the shortest way so that the target faces the camera."""
+    toward = -place / np.linalg.norm(place)
+    across = np.cross(R[:, 2], toward)
+    sine = np.linalg.norm(across)
+    turn = np.arctan2(sine, R[:, 2] @ toward) * across / max(sine, 1e-12)
+    return np.asarray(Rotation.from_rotvec(turn).as_matrix() @ R)
+
+
+def turned_away(first: FirstPose) -> Matrix3:
+    """Return the rotation, in the frame of a camera, that tilts a target which faces it as a pose says."""
+    right, down = first.edge
+    turn = np.radians(first.tilt_deg) * np.array([down, -right, 0.0]) / np.hypot(right, down)
+    return np.asarray(Rotation.from_rotvec(turn).as_matrix())
+
+
+def camera_matrix(focal: float, size: tuple[int, int]) -> Matrix3:
+    """Return K of a focal length (px) about the middle of a picture."""
+    return np.array([[focal, 0.0, 0.5 * (size[0] - 1)], [0.0, focal, 0.5 * (size[1] - 1)], [0.0, 0.0, 1.0]])
 
 
 def pose_by_pixels(points: Float64[np.ndarray, "n 3"], q: Pixels, K: Float64[np.ndarray, "3 3"]) -> Pose:

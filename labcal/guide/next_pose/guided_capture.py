@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Int
 
-from labcal.arrays import Pixels, Pose
+from labcal.arrays import Mask, Pixels, Pose, Vectors3
 from labcal.capture.advice import Advice
 from labcal.capture.guide_settings import GuideSettings
 from labcal.capture.source import CameraInfo, FrameSet
@@ -19,6 +19,7 @@ from labcal.guide.next_pose.choice import next_pose
 from labcal.guide.next_pose.findable import Findable
 from labcal.guide.next_pose.first_poses import FIRST_POSES, first_outlines
 from labcal.guide.next_pose.picture_faults import picture_faults, repeated
+from labcal.guide.next_pose.rough_rig import RoughRig
 from labcal.guide.next_pose.standing import Standing
 from labcal.guide.next_pose.words import lacks_words, pose_words
 from labcal.rng import generator
@@ -29,6 +30,8 @@ CELLS = (6, 8)
 """Rows and columns of the grid of a picture in which found dots are counted."""
 FEWEST_VIEWS = 3
 """Views from which on a calibration is tried."""
+ROUGHLY = HandReach(np.zeros(3), 4, 0.75, 1.3)
+"""Before there is a calibration: not as near and not as far as later."""
 _FEWEST_DOTS = 12
 """Of a picture that counts."""
 
@@ -53,7 +56,7 @@ class GuidedCapture:
         self._sharpest: dict[str, float] = {}
         self._standing: Standing | None = None
         self._last: Pose | None = None
-        self._reach: HandReach | None = None
+        self._reach = HandReach(np.zeros(3), 4)
         self._asked: tuple[Pose, int] | None = None
         self._judged = 0
 
@@ -134,50 +137,46 @@ class GuidedCapture:
             sizes=self._sizes,
         )
         if standing is None:
-            number = len(self._tables)
-            first = self._tables[0] if self._tables else None
-            outlines = first_outlines(number, self._sizes, first, self._target)
-            return replace(base, words=FIRST_POSES[number % len(FIRST_POSES)].words, outlines=outlines)
+            return self._before_calibration(base)
         if wanted is not None and base.reached_mm is not None and base.reached_mm <= wanted:
             words = f"Done: the expected error is {base.reached_mm:.3g} mm, and {wanted:.3g} mm was asked for"
             return replace(base, words=words, done=True)
-        asked = self._next(standing)
+        self._reach = self._reach_from(standing.centre, self._reach)
+        asked = self._next(standing, self._reach)
         if asked is None:
             words = "Hold the target anywhere that no view shows it yet, tilted another way"
             return replace(base, words=words)
-        return replace(base, words=self._words(standing, asked), outlines=asked[2], T_world_target=asked[0])
+        self._asked = asked[0], int(asked[1].sum())
+        outlines = _outlines(standing, asked, self._findable)
+        return replace(base, words=self._words(standing, asked), outlines=outlines, T_world_target=asked[0])
 
-    def _next(self, standing: Standing) -> tuple[Pose, np.ndarray, dict[str, Pixels]] | None:
-        """Return the pose to ask for, the cameras that will find the target, and outlines."""
-        if self._reach is None:
-            turned = self._target.symmetric_indices(self._target.indices()[:1])
-            self._reach = HandReach(standing.centre, 1 if turned else 4)
-        self._reach = replace(self._reach, centre=standing.centre)
-        random = generator(self._seed, "poses of a guided capture", str(self._judged))
-        found = next_pose(
-            standing.volume,
-            standing.covariance,
-            self._findable,
-            standing.variance,
-            self._reach,
-            random,
+    def _before_calibration(self, base: Advice) -> Advice:
+        """Return the first pose, then the one chosen by the rough rig; where there is none, tilts."""
+        number = len(self._tables)
+        rough = RoughRig.of(self._tables, self._sizes, self._target, self._settings) if number else None
+        asked = None if rough is None else self._next(rough, self._reach_from(rough.centre, ROUGHLY))
+        if rough is None or asked is None:
+            first = self._tables[0] if self._tables else None
+            outlines = first_outlines(number, self._sizes, first, self._target)
+            return replace(base, words=FIRST_POSES[number % len(FIRST_POSES)].words, outlines=outlines)
+        self._last = rough.poses[-1]
+        return replace(
+            base, words=self._words(rough, asked), outlines=_outlines(rough, asked, self._findable)
         )
-        if found is None:
-            return None
-        T, sees = found
-        self._asked = T, int(sees.sum())
-        outline = transform(T, self._findable.outline())
-        names = standing.calibration.rig.cameras
-        outlines = {
-            name: camera.project(outline).q
-            for name, camera, sure in zip(names, standing.cameras, sees, strict=True)
-            if sure
-        }
-        return T, sees, outlines
+
+    def _reach_from(self, centre: Vectors3, of: HandReach) -> HandReach:
+        """Return a reach about a place; upright alone, of a target that looks the same when turned."""
+        turned = self._target.symmetric_indices(self._target.indices()[:1])
+        return replace(of, centre=centre, quarters=1 if turned else 4)
+
+    def _next(self, known: Standing | RoughRig, reach: HandReach) -> tuple[Pose, Mask] | None:
+        """Return the pose to ask for, and a mask of the cameras that will find the target."""
+        random = generator(self._seed, "poses of a guided capture", str(self._judged))
+        return next_pose(known.volume, known.covariance, self._findable, known.variance, reach, random)
 
     def _narrow(self, found: int) -> None:
         """Ask no more for distances at which fewer cameras than thought found the target."""
-        if self._asked is not None and self._reach is not None and self._standing is not None:
+        if self._asked is not None and self._standing is not None:
             T, expected = self._asked
             if found < expected:
                 place = T[:3, :3] @ self._findable.middle + T[:3, 3]
@@ -185,16 +184,16 @@ class GuidedCapture:
                 self._reach = self._reach.without(share)
         self._asked = None
 
-    def _words(self, standing: Standing, asked: tuple[Pose, np.ndarray, dict[str, Pixels]]) -> str:
-        T, sees, _ = asked
-        names = [name for name, sure in zip(standing.calibration.rig.cameras, sees, strict=True) if sure]
-        cameras = [camera for camera, sure in zip(standing.cameras, sees, strict=True) if sure]
+    def _words(self, known: Standing | RoughRig, asked: tuple[Pose, Mask]) -> str:
+        T, sees = asked
+        names = [name for name, sure in zip(known.names, sees, strict=True) if sure]
+        cameras = [camera for camera, sure in zip(known.cameras, sees, strict=True) if sure]
         words = pose_words(names, cameras, T, self._findable.middle, self._last)
         wanted = self._settings.wanted_mm
-        if wanted is not None and standing.noise_mm > wanted:
+        if wanted is not None and isinstance(known, Standing) and known.noise_mm > wanted:
             words += (
                 f". The {wanted:.3g} mm asked for cannot be reached: the noise of a point's own pixels alone "
-                f"is {standing.noise_mm:.3g} mm"
+                f"is {known.noise_mm:.3g} mm"
             )
         return words
 
@@ -206,6 +205,13 @@ class GuidedCapture:
                 col, row = (((q + 0.5) / self._sizes[name]) * CELLS[::-1]).astype(int).T
                 np.add.at(cells, (np.clip(row, 0, CELLS[0] - 1), np.clip(col, 0, CELLS[1] - 1)), 1)
         return counts
+
+
+def _outlines(known: Standing | RoughRig, asked: tuple[Pose, Mask], target: Findable) -> dict[str, Pixels]:
+    """Return the outline to fill in each camera that will find the target."""
+    outline = transform(asked[0], target.outline())
+    cameras = zip(known.names, known.cameras, asked[1], strict=True)
+    return {name: camera.project(outline).q for name, camera, sure in cameras if sure}
 
 
 def _finite(value: float) -> float | None:

@@ -58,6 +58,9 @@ class HandError:
         return np.array([T_first_target, *tried])
 
 
+USUAL = HandError()
+
+
 def parsed_hand_error(text: str) -> HandError:
     """Return the errors that a text names, as in ``5deg,5%``.
 

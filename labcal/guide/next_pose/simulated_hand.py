@@ -9,7 +9,7 @@ from labcal.cameras.camera import Camera
 from labcal.capture.advice import Advice
 from labcal.geometry.poses import inverse, pose
 from labcal.guide.next_pose.findable import OUTLINE_STEPS, Findable
-from labcal.guide.next_pose.first_poses import pose_by_pixels
+from labcal.guide.next_pose.first_poses import FIRST_POSES, pose_by_pixels, turned_away
 from labcal.guide.next_pose.hand import HandError
 from labcal.guide.next_pose.volume import middle_of_eyes
 from labcal.rng import generator
@@ -45,19 +45,21 @@ class SimulatedHand:
         """Return ``T_world_target`` (mm), in the frame of the cameras, of what the hand does."""
         asked = advice.T_world_target
         if asked is None:
-            asked = self._by_outline(advice.outlines) if advice.views else self._facing()
+            asked = self._by_outline(advice.outlines) if advice.views else self._first()
         taken = self._error.taken(asked, self._findable.middle, self._random)
         return np.asarray(inverse(self._T_first_world) @ taken)
 
-    def _facing(self) -> Pose:
-        """Return the pose at the start that faces the cameras, upright, in the frame of the first one."""
+    def _first(self) -> Pose:
+        """Return the very first pose, at the start, in the frame of the first camera."""
         first = next(iter(self._cameras.values()))
         eyes = middle_of_eyes(tuple(self._cameras.values()))
         toward = first.T_cam_world[:3, :3] @ (eyes - self._start)
         toward /= np.linalg.norm(toward)
         right = np.array([1.0, 0.0, 0.0]) - toward[0] * toward
         right /= np.linalg.norm(right)
-        R = np.stack([right, np.cross(toward, right), toward], axis=1)
+        facing = np.stack([right, np.cross(toward, right), toward], axis=1)
+        upright = facing @ np.diag([1.0, -1.0, -1.0])
+        R = upright @ turned_away(FIRST_POSES[0]) @ upright.T @ facing
         place = first.T_cam_world[:3, :3] @ self._start + first.T_cam_world[:3, 3]
         return pose(R, place - R @ self._findable.middle)
 

@@ -126,6 +126,11 @@ class Standing:
         return cls(found, cameras, covariance.matrix, centre, volume, variance)
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Of the cameras."""
+        return tuple(self.calibration.rig.cameras)
+
+    @property
     def calibration_mm(self) -> float:
         """The share of the calibration in the RMS error over the volume."""
         return float(np.sqrt(max(0.0, np.trace(self.volume.square_by_parameters @ self.covariance))))
