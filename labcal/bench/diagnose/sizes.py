@@ -27,11 +27,9 @@ _STEPS: Mapping[CheckName, tuple[float, float, float]] = {
 """Mistakes of which any size spoils the calibration, or whose sizes do not depend on the rig."""
 _HANDS: Mapping[CheckName, Mapping[str, tuple[float, float, float]]] = {
     CheckName.TOO_LITTLE_TILT: {
-        "wide": (0.04, 0.02, 0.01), "narrow": (0.2, 0.1, 0.03), "webcam": (0.06, 0.03, 0.01),
+        "wide": (0.05, 0.03, 0.01), "narrow": (0.08, 0.05, 0.02), "webcam": (0.03, 0.02, 0.01),
     },
-    CheckName.POOR_COVERAGE: {
-        "wide": (0.5, 0.3, 0.1), "narrow": (0.06, 0.03, 0.01), "webcam": (0.3, 0.2, 0.1),
-    },
+    CheckName.POOR_COVERAGE: {"wide": (0.4, 0.3, 0.1), "webcam": (0.25, 0.15, 0.08)},
 }  # fmt: skip
 """Shares of the tilts and places of a good shoot."""
 
