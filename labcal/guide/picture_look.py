@@ -80,7 +80,7 @@ class PictureLook:
         """True if paper is dim, or ink and paper hardly differ."""
         contrast = self.paper - self.ink
         if self.refusal is not None:
-            return self.paper < _BRIGHT and contrast < _SMALL_CONTRAST
+            return self.paper < DIM and contrast < _SMALL_CONTRAST  # a grey wall is not dark
         return self.paper < DIM or (self.paper < _BRIGHT and contrast < FLAT)  # blurred paper is flat, too
 
     @property

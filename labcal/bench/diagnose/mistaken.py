@@ -20,7 +20,7 @@ from labcal.targets.grid import DotGrid, Rings
 DRAWN = (CheckName.BLURRED, CheckName.EXPOSURE, CheckName.WRONG_TARGET)
 """Mistakes that only pictures show."""
 _DRAWN_VIEWS, _GOOD_DRAWN_VIEWS = 6, 12
-"""Pictures tell a fault of pictures from few views; a good shoot has as many as it takes (`diagnose` says 12)."""
+"""Few views show a fault of pictures; a good shoot has as many as `diagnose` asks for."""
 _VIEWS = (10, 22)
 _MOTION = 4.0
 """Length of a blur of motion, in standard deviations of a defocus that is as wide."""
