@@ -21,6 +21,11 @@ BURNT_SHARE = 0.01
 """Share of the target at full scale from which on edges of dots are cut off."""
 FLAT = 0.3
 """Contrast between paper and ink, as a share of full scale, below which noise of dots counts."""
+DIM = 0.42
+"""Level of paper below which noise of dots counts at any contrast: some 40% more than at full exposure.
+
+In drawn pictures with the tone curve of sRGB, two stops below three quarters of the range.
+"""
 _SATURATED_DOTS = 0.1
 """Share of saturated dots from which on a picture is burnt out."""
 _BRIGHT = 0.6
@@ -72,11 +77,11 @@ class PictureLook:
 
     @property
     def dark(self) -> bool:
-        """True if ink and paper hardly differ."""
-        contrast = FLAT if self.refusal is None else _SMALL_CONTRAST
-        return (
-            self.paper < _BRIGHT and self.paper - self.ink < contrast
-        )  # a blur makes bright paper flat, too
+        """True if paper is dim, or ink and paper hardly differ."""
+        contrast = self.paper - self.ink
+        if self.refusal is not None:
+            return self.paper < DIM and contrast < _SMALL_CONTRAST  # a grey wall is not dark
+        return self.paper < DIM or (self.paper < _BRIGHT and contrast < FLAT)  # blurred paper is flat, too
 
     @property
     def widest_px(self) -> float:

@@ -14,6 +14,8 @@ from labcal.rng import generator
 
 _SYMMETRIC = {CheckName.TURNED_TARGET}
 """Mistakes that only a target without rings lets happen."""
+_HARMLESS = {(CheckName.POOR_COVERAGE, "narrow"): "wide"}
+"""Mistakes that harm no measurement with a pair at any size, and the pair that they are made with instead."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,10 @@ class DiagnosedShoot:
         kinds = tuple(PAIRS)
         layout = TARGETS[self.seed // len(kinds) % len(TARGETS)]
         plain = any(CheckName(name) in _SYMMETRIC for name, _ in self.mistakes)
-        return kinds[self.seed % len(kinds)], TARGETS[1] if plain else layout
+        kind = kinds[self.seed % len(kinds)]
+        for name, _ in self.mistakes:
+            kind = _HARMLESS.get((CheckName(name), kind), kind)
+        return kind, TARGETS[1] if plain else layout
 
 
 class DiagnosedFigures(BaseModel):

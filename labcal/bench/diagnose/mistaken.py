@@ -19,7 +19,8 @@ from labcal.targets.grid import DotGrid, Rings
 
 DRAWN = (CheckName.BLURRED, CheckName.EXPOSURE, CheckName.WRONG_TARGET)
 """Mistakes that only pictures show."""
-_DRAWN_VIEWS = 6
+_DRAWN_VIEWS, _GOOD_DRAWN_VIEWS = 6, 12
+"""Few views show a fault of pictures; a good shoot has as many as `diagnose` asks for."""
 _VIEWS = (10, 22)
 _MOTION = 4.0
 """Length of a blur of motion, in standard deviations of a defocus that is as wide."""
@@ -63,7 +64,7 @@ def evidence_of(
 
 def drawn_evidence(rig: tuple[str, str], folder: Path, random: np.random.Generator) -> Evidence:
     """Return the evidence of a good shoot with its pictures."""
-    return _shown(good_shoot(*rig, _DRAWN_VIEWS, random), Fault(), folder, random)
+    return _shown(good_shoot(*rig, _GOOD_DRAWN_VIEWS, random), Fault(), folder, random)
 
 
 def _held(

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from labcal.guide.diagnosis.check_name import CheckName
 
 LEVELS = 3
-_TIMES = (1.15, 2.0, 4.0)
+_TIMES = (1.0, 2.0, 5.0)
 _SMALLEST: Mapping[CheckName, Mapping[str, float]] = {
-    CheckName.UNSYNCHRONISED: {"wide": 1.0, "narrow": 0.03, "webcam": 0.6},
-    CheckName.CAMERA_MOVED: {"wide": 0.08, "narrow": 0.004, "webcam": 0.06},
-    CheckName.REFOCUSED: {"wide": 0.0025, "narrow": 0.0007, "webcam": 0.0018},
-    CheckName.BENT_BOARD: {"wide": 1.5, "narrow": 0.6, "webcam": 1.5},
-    CheckName.WRONG_PITCH: {"wide": 0.005, "narrow": 0.0008, "webcam": 0.006},
-    CheckName.ROLLING_SHUTTER: {"wide": 4.0, "narrow": 0.2, "webcam": 3.0},
+    CheckName.UNSYNCHRONISED: {"wide": 0.28, "narrow": 0.032, "webcam": 0.17},
+    CheckName.CAMERA_MOVED: {"wide": 0.03, "narrow": 0.0036, "webcam": 0.018},
+    CheckName.REFOCUSED: {"wide": 0.00035, "narrow": 0.00019, "webcam": 0.00042},
+    CheckName.BENT_BOARD: {"wide": 0.23, "narrow": 0.041, "webcam": 0.35},
+    CheckName.WRONG_PITCH: {"wide": 0.00096, "narrow": 0.00038, "webcam": 0.00175},
+    CheckName.ROLLING_SHUTTER: {"wide": 1.8, "narrow": 0.185, "webcam": 0.62},
 }
 """About the sizes at which the RMS 3-D error grows by 20%, in the units of the mistake."""
 _STEPS: Mapping[CheckName, tuple[float, float, float]] = {
@@ -21,17 +21,15 @@ _STEPS: Mapping[CheckName, tuple[float, float, float]] = {
     CheckName.MIXED_SIZES: (0.8, 0.5, 0.25),
     CheckName.TOO_FEW_VIEWS: (3, 2, 1),
     CheckName.BLURRED: (1.6, 2.5, 4.0),
-    CheckName.EXPOSURE: (-2.5, -4.0, 1.5),
+    CheckName.EXPOSURE: (-1.7, 1.0, -4.0),
     CheckName.WRONG_TARGET: (1, 2, 3),
 }
 """Mistakes of which any size spoils the calibration, or whose sizes do not depend on the rig."""
 _HANDS: Mapping[CheckName, Mapping[str, tuple[float, float, float]]] = {
     CheckName.TOO_LITTLE_TILT: {
-        "wide": (0.04, 0.02, 0.01), "narrow": (0.2, 0.1, 0.03), "webcam": (0.06, 0.03, 0.01),
+        "wide": (0.05, 0.03, 0.01), "narrow": (0.08, 0.05, 0.02), "webcam": (0.03, 0.02, 0.01),
     },
-    CheckName.POOR_COVERAGE: {
-        "wide": (0.5, 0.3, 0.1), "narrow": (0.06, 0.03, 0.01), "webcam": (0.3, 0.2, 0.1),
-    },
+    CheckName.POOR_COVERAGE: {"wide": (0.4, 0.3, 0.1), "webcam": (0.25, 0.15, 0.08)},
 }  # fmt: skip
 """Shares of the tilts and places of a good shoot."""
 

@@ -43,8 +43,6 @@ GROUPS: Groups = {
     "check": check_findings,
     "compare": compare_findings,
     "rehearse": rehearsal_findings,
-    "diagnose": diagnose_findings,
-    "guided": guided_findings,
     "real": real_findings,
     "mrcal": mrcal_findings,
 }
@@ -54,6 +52,8 @@ _OF_MARKS: Groups = {
     "marks-in-space": marks_in_space_findings,
 }
 """Groups of ``labcal bench detect`` that are a part of the budget."""
+_OF_SHOOTS: Groups = {"diagnose": diagnose_findings, "guided": guided_findings}
+"""Groups of many simulated shoots, which are measured only where they are named."""
 TOGETHER: Mapping[str, tuple[str, ...]] = {
     "budget": ("coverage", "certify", "check", "compare", "rehearse", "real", *_OF_MARKS)
 }
@@ -93,7 +93,7 @@ def bench_solve(folder: Path, settings: BenchSettings, progress: Progress) -> Be
             f"`scheduler` is for the groups {listed(sorted(_OF_CASES))}, none of which is among those that "
             "are named. Leave it out, or name one of them."
         )
-    groups = {**GROUPS, **_OF_MARKS} if settings.groups else GROUPS
+    groups = {**GROUPS, **_OF_MARKS, **_OF_SHOOTS} if settings.groups else GROUPS
     return measured_groups("solve", groups, folder, settings, progress)
 
 
@@ -105,7 +105,7 @@ def _expanded(settings: BenchSettings) -> BenchSettings:
     UnknownNameError
         There is no group of a name.
     """
-    known = (*GROUPS, *_OF_MARKS, *TOGETHER)
+    known = (*GROUPS, *_OF_MARKS, *_OF_SHOOTS, *TOGETHER)
     for wanted in settings.groups:
         if wanted not in known:
             raise UnknownNameError("group of checks", wanted, known)

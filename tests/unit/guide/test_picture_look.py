@@ -1,5 +1,7 @@
 """Tests of exposure and sharpness where the target is, without the detector."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -83,3 +85,16 @@ def test_a_camera_that_is_blurred_throughout_is_found_beside_the_other() -> None
     usual = usual_edges({"left": sharp, "right": soft})
     assert usual["right"].is_blurred(soft[0])
     assert not usual["left"].is_blurred(sharp[0])
+
+
+def test_a_camera_with_edges_a_little_wider_throughout_is_held_against_the_sharper_one() -> None:
+    sharp, soft = [_look()] * 3, [_look(0.8, 1.7)] * 3
+    usual = usual_edges({"left": sharp, "right": soft})
+    assert usual["right"].is_blurred(soft[0])
+    assert usual["right"].width_px < soft[0].widest_px
+
+
+def test_dim_paper_is_dark_at_any_contrast_and_a_refused_picture_of_a_grey_wall_is_not() -> None:
+    assert replace(_look(), paper=0.4, ink=0.05).dark
+    assert not replace(_look(), paper=0.6, ink=0.05).dark
+    assert not replace(_look(), paper=0.51, ink=0.5, refusal=Refusal.TOO_FEW_DOTS).dark

@@ -151,7 +151,8 @@ def _explanation(
     gain = max(0.0, before.chi2 - fit.chi2)
     p_value = min(1.0, one.alternatives * f_tail(gain / noise / count, count, freedom))
     width = sum(term.count for term in one.terms)
-    return Explanation(one, p_value, gain / own, fit.values[-width:])
+    relative = gain / own if own > 0.0 else 0.0  # poses of one's own leave nothing of so few dots
+    return Explanation(one, p_value if own > 0.0 else 1.0, relative, fit.values[-width:])
 
 
 def _noise(

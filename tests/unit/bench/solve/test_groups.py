@@ -32,6 +32,7 @@ def test_budget_stands_for_all_that_it_rests_on_and_each_is_measured_once(
     measured.clear()
     bench.bench_solve(tmp_path / "all", BenchSettings(), NoProgress())
     assert measured == list(bench.GROUPS)
+    assert not {"diagnose", "guided"}.intersection(measured)
 
 
 def test_an_unknown_group_is_refused_with_the_nearest_name(tmp_path: Path) -> None:
@@ -43,5 +44,5 @@ def test_an_unknown_group_is_refused_with_the_nearest_name(tmp_path: Path) -> No
 def test_help_names_every_group() -> None:
     (commands,) = build_parser("bench")._subparsers._group_actions  # type: ignore[union-attr]
     text = " ".join(commands.choices["bench"].format_help().split())  # type: ignore[index]
-    for group in (*bench.GROUPS, *bench.TOGETHER, *detect.GROUPS):
+    for group in (*bench.GROUPS, *bench._OF_SHOOTS, *bench.TOGETHER, *detect.GROUPS):
         assert group in text.replace("- ", "-"), group
