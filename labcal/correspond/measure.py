@@ -53,8 +53,8 @@ def measure_picture(
     """Read a picture and measure it in the light that made it.
 
     A file that cannot be read, or not be used, is a result with a reason. Of a print that its code or its
-    number tells, dots are found on its own board only; of a target that was named, tags are looked for only in
-    pictures that would be refused without.
+    number tells, dots are found on its own board only; of a target that was named, tags are looked for only
+    in pictures that would be refused without.
     """
     from labcal.detect.codes.own_board import own_board_only, own_board_where_seen  # noqa: PLC0415 -- cv2
     from labcal.detect.detector import detect_dots  # noqa: PLC0415 -- imports Numba, which tables do not need

@@ -59,8 +59,8 @@ class Manifest(BaseModel):
     target: DescribedTarget | None = None
     """The target as designed; null where it is not known, as of captured pictures."""
     print_number: Annotated[int, Field(ge=0, le=MOST_COPIES)] | None = None
-    """Number of the print in its code, 0 for none, where the target was read from the code: other boards in the
-    pictures are then hidden. The key is absent where the target was named."""
+    """Number of the print in its code, 0 for none, where the target was read from the code: other boards in
+    the pictures are then hidden. The key is absent where the target was named."""
     cameras: Annotated[dict[Name, CameraEntry], Field(min_length=1)]
     """Cameras by name."""
     views: tuple[ViewEntry, ...]

@@ -103,7 +103,7 @@ def test_rasterised_pages_have_the_right_pitch(
 ) -> None:
     target = load_target(name)
     tiling: Tiling = export_pages(target, tmp_path / "t.pdf", PageSettings(paper_of(paper), counts))
-    dpi = 600 if target.outer_diameters_mm().max() < 20 else 150  # noqa: PLR2004 -- mm; of an A0 sheet
+    dpi = 600 if target.outer_diameters_mm().max() < 20 else 150
     subprocess.run(["pdftoppm", "-r", str(dpi), "-gray", "-png", "t.pdf", "page"], cwd=tmp_path, check=True)  # noqa: S607
     for page in sorted(tmp_path.glob("page*.png")):
         picture = cv2.imread(str(page), cv2.IMREAD_GRAYSCALE)

@@ -180,7 +180,7 @@ def question(name: str) -> TargetQuestion:
     }[name]  # fmt: skip
 
 
-# All nine questions, of which these differ most, were asked once when the limits were chosen.
+# Of the nine questions those that differ most: all nine take too long for every run.
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["640x480", "charuco", "coded dots"])
 def test_designed_targets_are_found_near_and_far_square_and_tilted(name: str) -> None:
