@@ -85,6 +85,7 @@ class Recorder:
         """Read what an interrupted run has recorded already."""
         path = self.folder.path
         self.target_notes: tuple[str, ...] = ()
+        self._print_number: int | None = None
         self._views: list[ViewEntry] = []
         self._sizes: dict[str, CameraEntry] = {}
         self._record = CaptureRecord(notes=tuple(note for one in self.cameras for note in one.notes))
@@ -92,7 +93,8 @@ class Recorder:
             begun = read_document(Manifest, "manifest", path / MANIFEST)
             self._views, self._sizes = list(begun.views), dict(begun.cameras)
             self._record = read_document(CaptureRecord, "record of a capture", path / RECORD)
-            self.target = self.target or begun.target
+            if self.target is None:
+                self.target, self._print_number = begun.target, begun.print_number
 
     @property
     def views(self) -> tuple[str, ...]:
@@ -130,6 +132,7 @@ class Recorder:
             if len(codes.prints) == 1:
                 printed = codes.prints[0]
                 self.target = as_printed(printed.target, self.print_scale)
+                self._print_number = printed.copy
                 where = f"view {len(self._views) + 1} of camera {name}"
                 self.target_notes = (f"the target '{printed.name}' is read from the code in {where}",)
                 return
@@ -176,7 +179,13 @@ class Recorder:
         self._record = self._record.model_copy(update={"pictures": (*self._record.pictures, *taken)})
         write_file(home / RECORD, self._record.model_dump_json(indent=1) + "\n", force=True)
         # The manifest comes last: a shoot has the views that it names.
-        write_manifest(home, Manifest(target=self.target, cameras=self._sizes, views=tuple(self._views)))
+        manifest = Manifest(
+            target=self.target,
+            print_number=self._print_number,
+            cameras=self._sizes,
+            views=tuple(self._views),
+        )
+        write_manifest(home, manifest)
         self.folder.show()
 
 

@@ -52,17 +52,22 @@ def measure_picture(
 ) -> Measurement:
     """Read a picture and measure it in the light that made it.
 
-    A file that cannot be read, or not be used, is a result with a reason. Of a print with a code, dots are
-    found on its own board only.
+    A file that cannot be read, or not be used, is a result with a reason. Of a print that its code or its
+    number tells, dots are found on its own board only; of a target that was named, tags are looked for only
+    in pictures that would be refused without.
     """
     from labcal.detect.codes.own_board import own_board_only, own_board_where_seen  # noqa: PLC0415 -- cv2
     from labcal.detect.detector import detect_dots  # noqa: PLC0415 -- imports Numba, which tables do not need
 
     def measured(picture: np.ndarray) -> Measurement:
         light = undone(picture, tone_curve)
-        if not isinstance(target, PrintedTarget):
-            return _measurement(source, detect_dots(own_board_where_seen(light, target), target, settings))
-        return _measurement(source, detect_dots(own_board_only(light, target), target.target, settings))
+        if isinstance(target, PrintedTarget):
+            return _measurement(source, detect_dots(own_board_only(light, target), target.target, settings))
+        dots = detect_dots(light, target, settings)
+        if dots.refusal is not None:
+            own = own_board_where_seen(light, target)
+            dots = dots if own is light else detect_dots(own, target, settings)
+        return _measurement(source, dots)
 
     return read_and(source, measured, _lost)
 

@@ -179,7 +179,9 @@ def target_shown(
     if given is not None:
         return named_target(given)
     if shoot is not None and shoot.manifest.target is not None:
-        return ShownTarget(shoot.manifest.target)
+        number = shoot.manifest.print_number
+        target = shoot.manifest.target
+        return ShownTarget(target if number is None else PrintedTarget(target, number))
     kept = None if rig is None else kept_target(rig)
     if not sources and kept is not None:
         return ShownTarget(kept)

@@ -13,6 +13,7 @@ from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import PublicObject
 from labcal.run.documents import read_document
+from labcal.run.made import is_as_made, renew
 from labcal.run.outputs import write_file
 from labcal.shoot.manifest import Manifest, Role, ViewEntry
 from labcal.targets.catalogue import AnyTarget, target_of
@@ -115,7 +116,9 @@ class Shoot(PublicObject):
         UnknownNameError, InputError, InputTypeError
             There is no such target.
         """
-        manifest = self.manifest.model_copy(update={"target": target_of(target)})
+        other = target_of(target)
+        number = self.manifest.print_number if _one_design(other, self.manifest.target) else None
+        manifest = self.manifest.model_copy(update={"target": other, "print_number": number})
         return replace(self, manifest=manifest)
 
     def with_print_scale(self, print_scale: AnyPrintScale) -> "Shoot":
@@ -182,7 +185,24 @@ def open_shoot(folder: AnyPath) -> Shoot:
     return Shoot(folder, manifest)
 
 
+def _one_design(target: AnyTarget, other: AnyTarget | None) -> bool:
+    """Return whether two targets differ in the scale of the print at most."""
+    if other is None:
+        return False
+    first, second = ({**one.model_dump(), "print_scale": None} for one in (target, other))
+    return first == second
+
+
 def write_manifest(folder: AnyPath, manifest: Manifest) -> None:
-    """Write ``shoot.json`` into a folder under construction."""
-    folder = as_path(folder)
-    write_file(folder / MANIFEST, manifest.model_dump_json(indent=2) + "\n", force=True)
+    """Write ``shoot.json`` into a folder, with labcal's mark of a finished one kept true.
+
+    Raises
+    ------
+    OutputError
+        The disk refuses.
+    """
+    path = as_path(folder) / MANIFEST
+    was_ours = is_as_made(path)
+    write_file(path, manifest.model_dump_json(indent=2) + "\n", force=True)
+    if was_ours:
+        renew(path)

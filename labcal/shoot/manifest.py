@@ -1,14 +1,16 @@
 """``shoot.json``: the input of the measuring arm, without lenses, true poses or scene."""
 
+from collections.abc import Callable
 from enum import StrEnum
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_serializer, model_validator
 
 from labcal.bounds import MOST_PIXELS, Side
 from labcal.cameras.record import PoseRecord
 from labcal.run.names import Name, differ_in_case
 from labcal.targets.catalogue import DescribedTarget
+from labcal.targets.code_text import MOST_COPIES
 from labcal.wording import clipped, listed
 
 RelativePath = Annotated[str, Field(pattern=r"^images/[A-Za-z0-9_.-]+$")]
@@ -56,10 +58,17 @@ class Manifest(BaseModel):
     """Version of the form of the file."""
     target: DescribedTarget | None = None
     """The target as designed; null where it is not known, as of captured pictures."""
+    print_number: Annotated[int, Field(ge=0, le=MOST_COPIES)] | None = None
+    """Number of the print in its code, 0 for none, where the target was read from the code: other boards in
+    the pictures are then hidden. The key is absent where the target was named."""
     cameras: Annotated[dict[Name, CameraEntry], Field(min_length=1)]
     """Cameras by name."""
     views: tuple[ViewEntry, ...]
     """Views in the order in which they were taken."""
+
+    @model_serializer(mode="wrap")
+    def _without_number(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
+        return {key: value for key, value in dump(self).items() if key != "print_number" or value is not None}
 
     @model_validator(mode="after")
     def _names_agree(self) -> "Manifest":

@@ -48,9 +48,9 @@ def test_a_raster_of_the_pdf_has_the_pitch_and_tells_the_target(
     assert (told.document["target"], told.document["target_read_from"]) == (name, str(page))
     target, dots = load_target(name), read_detections(tmp_path / "d.csv")
     ok = dots.flag == "ok"
-    # Without any blur 17 of a chessboard's corners are bad fits, of a plain print just as well.
     assert dots.has_id.sum() >= target.count
-    assert ok.sum() >= 0.8 * target.count
+    # Corners of squares that end between pixels, without any blur, fit no blurred edge (see the decision).
+    assert ok.sum() >= (0.8 if name == "charuco-12x9" else 1.0) * target.count
     mm = dots.position[ok] * [25.4 / DPI, -25.4 / DPI]
     places = target.points(dots.index[ok])[:, :2]
     turns = [places, -places] if target.symmetric_indices(target.indices()) else [places]
@@ -91,6 +91,7 @@ def test_a_shoot_is_captured_and_calibrated_without_naming_the_target(labcal: Ru
     assert told.status == 0
     assert "is read from the code" in told.said
     assert '"print_scale": [\n      0.998' in (shoot / "shoot.json").read_text()
+    assert '"print_number": 0' in (shoot / "shoot.json").read_text()
     again = labcal("detect", shoot, "-o", tmp_path / "d.csv", "--workers", 1, "--print-scale", "99.8/100")
     assert again.status == 2
     assert "stated already" in again.said + str(again.document)

@@ -14,6 +14,7 @@ from labcal.targets.code_text import PrintedTarget, described_by, text_number
 from labcal.wording import clipped
 
 _RANGE_PERCENT = (0.5, 99.5)  # of grey values: black and white of the picture that is searched
+_RANGE_PIXELS = 100_000  # in a regular sample; 500 of them beyond each end
 _LEAST_SIDE_PX = 32
 _SHOWN_LETTERS = 40
 
@@ -95,10 +96,12 @@ def searched_picture(image: AnyPicture) -> BytePicture | None:
     grey = grey_picture(image)
     if min(grey.shape) < _LEAST_SIDE_PX:
         return None
-    low, high = np.percentile(grey, _RANGE_PERCENT)
+    step = max(1, int(np.sqrt(grey.size / _RANGE_PIXELS)))
+    low, high = np.percentile(grey[::step, ::step], _RANGE_PERCENT)
     if not high > low:
         return None
-    return np.asarray(np.clip((grey - low) * (255.0 / (high - low)), 0, 255), dtype=np.uint8)
+    scale = np.float32(255.0 / (high - low))  # of 32 bits, as the picture: twice as fast
+    return np.asarray(np.clip((grey - np.float32(low)) * scale, 0, 255), dtype=np.uint8)
 
 
 def _searched(picture: BytePicture) -> list[str]:

@@ -13,7 +13,10 @@ from labcal.targets.code_places import DICTIONARY, TAG, print_of, tag_corners
 BytePicture = UInt8[np.ndarray, "h w"]
 
 _LEAST_TAG_PX = 8.0  # one pixel a cell
-_SEARCHED_PX = 2600  # on the longer side; larger pictures are reduced for the search, not for the corners
+_SEARCHED_PX = (
+    1300,
+    2600,
+)  # longer side of the search, not of the corners; the finer one where nothing is found
 _WORST_RESIDUAL = 0.06  # RMS over the side of a tag: 8 corners of one plane leave 0.01 in a sharp picture
 
 
@@ -50,7 +53,17 @@ def find_blocks(picture: BytePicture) -> list[CodeBlock]:
     ----------
     picture : ndarray of uint8, shape (h, w)
     """
-    left, right = _tags(picture)
+    side = max(picture.shape)
+    rough = [most for most in _SEARCHED_PX[:-1] if most < side]
+    for most in (*rough, _SEARCHED_PX[-1]):
+        blocks = _paired(*_tags(picture, most))
+        if any(block.is_whole for block in blocks):
+            break
+    return blocks
+
+
+def _paired(left: dict[int, list[Pixels]], right: dict[int, list[Pixels]]) -> list[CodeBlock]:
+    """Return the blocks of left and right tags that belong together, and of those that are alone."""
     units = tag_corners()
     blocks, used = list[CodeBlock](), set[int]()
     for number in sorted({*left, *right}):
@@ -85,10 +98,13 @@ def _fitted(units: Pixels, seen: Pixels) -> tuple[Float64[np.ndarray, "3 3"], fl
     return homography, float(off / side) if side > 0 else np.inf
 
 
-def _tags(picture: BytePicture) -> tuple[dict[int, list[Pixels]], dict[int, list[Pixels]]]:
-    """Return the left tags and the right tags by the number of their print, corners in px, (4, 2)."""
+def _tags(picture: BytePicture, most: int) -> tuple[dict[int, list[Pixels]], dict[int, list[Pixels]]]:
+    """Return the left tags and the right tags by the number of their print, corners in px, (4, 2).
+
+    The longer side of what is searched has at most so many pixels.
+    """
     parameters = cv2.aruco.DetectorParameters()
-    factor = max(1.0, max(picture.shape) / _SEARCHED_PX)
+    factor = max(1.0, max(picture.shape) / most)
     searched = picture
     if factor > 1.0:
         size = (round(picture.shape[1] / factor), round(picture.shape[0] / factor))

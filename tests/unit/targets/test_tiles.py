@@ -10,7 +10,7 @@ from labcal.errors import InputError, UnknownNameError
 from labcal.targets.catalogue import load_target, target_names
 from labcal.targets.page_artwork import PageSettings, export_pages
 from labcal.targets.paper import PAPERS, PRINTER_MARGIN_MM, Paper, paper_of, smallest_paper
-from labcal.targets.sheet import lay_out
+from labcal.targets.sheet import lay_out, lay_out_print
 from labcal.targets.tiles import LABEL_MM, OVERLAP_MM, Tiling, tiled
 
 
@@ -49,8 +49,8 @@ def test_tiles_cover_the_sheet_overlap_and_fit_their_page(
     name: str, paper: str, counts: tuple[int, int] | None
 ) -> None:
     target = load_target(name)
-    sheet = lay_out(target)
-    tiling = tiled(target, sheet, PageSettings(paper_of(paper), counts))
+    sheet = lay_out_print(target, 0)
+    tiling = tiled(target, sheet, paper_of(paper), counts)
     across, up = tiling.counts
     assert len(tiling.tiles) == across * up
     by_place = {(tile.col, tile.row): tile.window for tile in tiling.tiles}
@@ -103,11 +103,12 @@ def test_rasterised_pages_have_the_right_pitch(
 ) -> None:
     target = load_target(name)
     tiling: Tiling = export_pages(target, tmp_path / "t.pdf", PageSettings(paper_of(paper), counts))
-    subprocess.run(["pdftoppm", "-r", "600", "-gray", "-png", "t.pdf", "page"], cwd=tmp_path, check=True)  # noqa: S607
+    dpi = 600 if target.outer_diameters_mm().max() < 20 else 150
+    subprocess.run(["pdftoppm", "-r", str(dpi), "-gray", "-png", "t.pdf", "page"], cwd=tmp_path, check=True)  # noqa: S607
     for page in sorted(tmp_path.glob("page*.png")):
         picture = cv2.imread(str(page), cv2.IMREAD_GRAYSCALE)
         assert picture is not None
-        mm = 25.4 / 600
+        mm = 25.4 / dpi
         _, _, boxes, centres = cv2.connectedComponentsWithStats((picture < 128).astype(np.uint8))
         wide = np.abs(boxes[:, 2:4] * mm - target.outer_diameters_mm().max()).max(axis=1) < 0.2
         place = centres[wide] * mm * [1, -1]

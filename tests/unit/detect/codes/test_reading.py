@@ -52,7 +52,7 @@ def test_a_webcam_reads_it_at_45_degrees() -> None:
 
 
 def test_the_tags_are_seen_where_the_code_is_too_small() -> None:
-    picture = photograph(sheet(), (1280, 960), fill=0.33, tilt_deg=0.0, axis_deg=0.0)
+    picture = photograph(sheet(), (1280, 960), fill=0.25, tilt_deg=0.0, axis_deg=0.0)
     found = read_codes(picture)
     assert found.prints == ()
     assert [block.is_whole for block in found.blocks] == [True]
