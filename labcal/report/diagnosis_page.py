@@ -23,7 +23,7 @@ from labcal.wording import counted
 _ORDER = (
     "The mistakes are in the order of what they cost. The cost is the RMS 3-D error, over the volume where "
     "the target was, that a rig calibrated from these pictures has by the mistake; per cent are of the error "
-    "that noise and number of views leave anyway. It is an order of size: of large mistakes it is wrong by up "
+    "that noise and number of views leave anyway. It is an order of size: of large mistakes it is off by up "
     "to several times."
 )
 _ARROWS = "Arrows are residuals of the dots, predicted minus measured, where all views share one rig."
