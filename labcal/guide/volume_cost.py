@@ -17,6 +17,8 @@ from labcal.reconstruct.point_budget import PointBudget
 _STEPS = 6
 """Points along each edge of the volume."""
 _CAMERAS = 2
+_MOST = 400
+"""Points at which errors are computed, at most."""
 
 
 @dataclass(frozen=True)
@@ -69,16 +71,42 @@ class Volume:
         low, high = dots.min(axis=0), dots.max(axis=0)
         axes = [np.linspace(first, last, _STEPS) for first, last in zip(low, high, strict=True)]
         grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        return cls._seen(rig, grid, noise, (low, high))
+
+    @classmethod
+    def at(cls, rig: Rig, dots: Vectors3, noise: Float64[np.ndarray, "2 2"]) -> "Volume | None":
+        """Return the volume as sampled by the dots themselves, mm; None if no two cameras see any of it.
+
+        Parameters
+        ----------
+        rig : Rig
+        dots : ndarray, shape (n, 3)
+            Some of them are taken where there are many.
+        noise : ndarray, shape (2, 2)
+            Covariance of a pixel, px squared.
+        """
+        some = dots[:: -(-len(dots) // _MOST)]
+        return cls._seen(rig, some, noise, (dots.min(axis=0), dots.max(axis=0)))
+
+    @classmethod
+    def _seen(
+        cls,
+        rig: Rig,
+        points: Vectors3,
+        noise: Float64[np.ndarray, "2 2"],
+        corners: tuple[Float64[np.ndarray, " 3"], Float64[np.ndarray, " 3"]],
+    ) -> "Volume | None":
+        """Return the volume of those points that all cameras image."""
         cameras = _cameras(rig)
         if len(cameras) < _CAMERAS:
             return None
         for camera in cameras:
-            seen = camera.project(grid)
-            grid = grid[seen.ok & camera.in_picture(seen.q)]
-        if len(grid) == 0:
+            seen = camera.project(points)
+            points = points[seen.ok & camera.in_picture(seen.q)]
+        if len(points) == 0:
             return None
-        pixels = np.tile(noise, (len(grid), len(cameras), 1, 1))
-        return cls(rig, grid, pixels, low, high)
+        pixels = np.tile(noise, (len(points), len(cameras), 1, 1))
+        return cls(rig, points, pixels, *corners)
 
     def budget_mm(self) -> float:
         """Return the RMS standard deviation of a point by noise and calibration."""

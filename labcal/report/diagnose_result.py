@@ -15,7 +15,8 @@ class FindingResult:
     cameras: list[str]
     views: list[str]
     harm_mm: float | None
-    """RMS 3-D error over the volume that the mistake adds; null if it is not known, or without bounds."""
+    """About the RMS 3-D error that the mistake adds where the target was; null if it is not known, or without
+    bounds. An order of size: of large mistakes wrong by up to several times."""
     harm_percent: float | None
     """Relative increase of the expected 3-D error, %; null as for `harm_mm`."""
     p: float | None
@@ -79,7 +80,8 @@ def harm_words(one: Finding) -> str:
         return ""
     if not isfinite(one.harm_mm):
         return "No rig explains the dots until it is mended."
-    return f"It adds {one.harm_mm:.2g} mm (RMS, in 3-D): errors {one.harm_percent:.0f}% larger."
+    times = 1.0 + one.harm_percent / 100.0
+    return f"It adds about {one.harm_mm:.1g} mm (RMS, in 3-D): errors about {times:.2g} times as large."
 
 
 def _finding(one: Finding) -> FindingResult:

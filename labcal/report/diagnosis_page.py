@@ -23,7 +23,8 @@ from labcal.wording import counted
 _ORDER = (
     "The mistakes are in the order of what they cost. The cost is the RMS 3-D error, over the volume where "
     "the target was, that a rig calibrated from these pictures has by the mistake; per cent are of the error "
-    "that noise and number of views leave anyway."
+    "that noise and number of views leave anyway. It is an order of size: of large mistakes it is off by up "
+    "to several times."
 )
 _ARROWS = "Arrows are residuals of the dots, predicted minus measured, where all views share one rig."
 _MISFIT = "RMS residuals of each view in units of their expected size, where all views share one rig."
@@ -101,7 +102,7 @@ def _verdict(found: Diagnosis) -> Verdict:
 def _table(found: Diagnosis, maker: PageMaker) -> PageTable:
     columns = [
         Column("mistake", Side.LEFT), Column("what is wrong", Side.WIDE), Column("how to mend it", Side.WIDE),
-        Column("adds (mm)"), Column("adds (%)"), Column("p-value"),
+        Column("adds about (mm)"), Column("adds about (%)"), Column("p-value"),
     ]  # fmt: skip
     rows = [
         [
@@ -159,4 +160,4 @@ def _chance(p_value: float | None) -> str:
 def _number(value: float | None) -> str:
     if value is None:
         return MISSING
-    return f"{value:.3g}" if isfinite(value) else "no rig"
+    return f"{value:.2g}" if isfinite(value) else "no rig"

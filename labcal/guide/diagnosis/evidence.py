@@ -18,6 +18,7 @@ from labcal.correspond.detections import Detections
 from labcal.correspond.measure import Measurement
 from labcal.errors import InputError
 from labcal.guide.diagnosis.forms.explaining import Explained, explained
+from labcal.guide.diagnosis.forms.rig_error import with_rig_errors
 from labcal.guide.diagnosis.forms.shoot_model import ShootModel
 from labcal.guide.diagnosis.labelling import Labelling, labelling
 from labcal.guide.diagnosis.support.remedies import Remedies
@@ -139,7 +140,10 @@ class Evidence:
     @cached_property
     def explained(self) -> Explained | None:
         """The mistakes that explain the residuals of the dots best, together; None without a model."""
-        return None if self.model is None else explained(self.model)
+        if self.model is None:
+            return None
+        found, calibration = explained(self.model), self.calibration if not self.labels else None
+        return found if calibration is None else with_rig_errors(found, self.model, calibration.rig)
 
     @cached_property
     def volume(self) -> Volume | None:
@@ -148,7 +152,7 @@ class Evidence:
         if found is None or found.rig.covariance is None:
             return None
         noise = float(np.mean(np.square(found.pixel_sigma_px)))
-        return Volume.around(found.rig, found.places, noise * np.eye(2))
+        return Volume.at(found.rig, found.places, noise * np.eye(2))
 
     @cached_property
     def looks(self) -> tuple[PictureLook | None, ...]:

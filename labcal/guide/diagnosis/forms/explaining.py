@@ -22,8 +22,10 @@ _PRICE = 4.0
 """Gain that each parameter must bring when explanations compete, in variances."""
 _MOST = 8
 """Mistakes that are looked for in one shoot."""
-_CHANGES = {CheckName.CAMERA_MOVED, CheckName.REFOCUSED}
-_BY_VIEW = {CheckName.UNSYNCHRONISED, CheckName.ROLLING_SHUTTER}
+CHANGES = {CheckName.CAMERA_MOVED, CheckName.REFOCUSED}
+"""Mistakes after which the cameras are others than before."""
+BY_VIEW = {CheckName.UNSYNCHRONISED, CheckName.ROLLING_SHUTTER}
+"""Mistakes that are others in each view."""
 _SHAPES = {CheckName.BENT_BOARD, CheckName.WRONG_PITCH}
 
 
@@ -133,7 +135,7 @@ def _same(one: Hypothesis, other: Hypothesis) -> bool:
     """Tell whether a hypothesis adds nothing to one that is chosen."""
     if one.check is not other.check:
         return False
-    if one.check in _CHANGES:
+    if one.check in CHANGES:
         return one.camera == other.camera and one.views[0] == other.views[0]
     if one.check is CheckName.UNSYNCHRONISED and other.camera == one.camera:
         return not other.views or one.views == other.views
@@ -205,11 +207,11 @@ def _judged(
         others = _terms(other for other in chosen if other is not one)
         without, fit = model.fit(others), model.fit((*others, *one.terms))
         explanation = _explanation(model, others, without, one, fit)
-        if one.check in _BY_VIEW:
+        if one.check in BY_VIEW:
             bias = model.scattered_bias_mm(without, others, noise)
         else:
             later = np.zeros(sum(term.count for term in model.base))
-            if one.check in _CHANGES:
+            if one.check in CHANGES:
                 later = model.in_rig(one.terms[0].columns, explanation.size)
             bias = model.bias_mm(fit, without, noise, later)
         found.append(replace(explanation, bias_mm=bias, budget_mm=budget))

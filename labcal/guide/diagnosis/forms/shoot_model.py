@@ -116,13 +116,13 @@ class ShootModel:
 
     @cached_property
     def volume(self) -> Volume | None:
-        """The volume of the target's dots; None of one camera."""
+        """The volume of the target's dots, at the dots; None of one camera."""
         places = [
             transform(inverse(T_cam_world) @ T, one.result.adjusted.state.dots)
             for one, T_cam_world in zip(self.forms.cameras, self.forms.T_cam_world, strict=True)
             for T in one.single.T_cam_target
         ]
-        return Volume.around(self.rig, np.concatenate(places), self.noise)
+        return Volume.at(self.rig, np.concatenate(places), self.noise)
 
     @cached_property
     def square(self) -> Float64[np.ndarray, "shared shared"] | None:
