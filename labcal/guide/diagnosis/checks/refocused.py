@@ -21,7 +21,7 @@ def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
     return (
         (
             f"{picture_words(model, one)} was refocused before view '{model.views[first]}': from there on "
-            f"its focal length is {percent:+.2g}% longer, its principal point {shift:.2g} px away."
+            f"its focal length is {abs(percent):.2g}% {'shorter' if percent < 0 else 'longer'}, its principal point {shift:.2g} px away."
         ),
         (
             "Switch autofocus and image stabilisation off, lock the focus ring, and take the views again, or "
