@@ -70,7 +70,10 @@ def diagnose_words(found: Diagnosis) -> str:
         lines.append(f"   {one.mend}")
         if one.pictures:
             lines.append(f"   See: {', '.join(one.pictures)}")
-    lines += [f"Not judged, {one.check.value}: {one.why}" for one in found.not_judged]
+    unjudged: dict[str, list[str]] = {}
+    for left in found.not_judged:
+        unjudged.setdefault(left.why, []).append(left.check.value)
+    lines += [f"Not judged, {', '.join(checks)}: {why}" for why, checks in unjudged.items()]
     return "\n".join(lines)
 
 

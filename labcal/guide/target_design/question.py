@@ -78,8 +78,8 @@ class TargetQuestion:
             raise InputError("A target is designed for cameras, and none is given. Give one or more.")
         if not 0.0 < self.near_mm <= self.far_mm <= MOST_MM:
             raise InputError(
-                f"The distances should be a near and a far one above 0 mm, but are {self.near_mm:g} and "
-                f"{self.far_mm:g} mm."
+                f"The distances should be a near and a far one between 0 and {MOST_MM:g} mm, but are "
+                f"{self.near_mm:g} and {self.far_mm:g} mm."
             )
         if not 0.0 <= self.tilt_max_deg <= MOST_TILT_DEG:
             raise InputError(

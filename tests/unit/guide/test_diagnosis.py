@@ -1,10 +1,12 @@
 """Mistakes of geometry in simulated shoots are named, and good shoots are not accused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from labcal import Detections
-from labcal.bench.diagnose.held_shoot import HeldShoot, good_shoot
+from labcal.bench.diagnose.held_shoot import Hand, HeldShoot, good_shoot
 from labcal.bench.diagnose.mistakes import MISLABELLED, MISTAKES
 from labcal.bench.diagnose.simulated_dots import simulated_dots
 from labcal.guide.diagnosis.check_name import CheckName
@@ -100,6 +102,18 @@ def test_gains_of_a_good_shoot_follow_chi_square() -> None:
         count, gain = fit.freedom - before.freedom, (before.chi2 - fit.chi2) / noise
         assert gain < count + 5.0 * np.sqrt(2.0 * count) + 5.0, one.check
     assert explained(model).found == ()
+
+
+def test_an_uneven_print_seen_with_little_tilt_is_no_motion() -> None:
+    good = good_shoot("narrow", "rings", 7, np.random.default_rng(5), Hand(tilt=0.1, reach=0.3))
+    plane = good.dots[:, :2] - good.dots[:, :2].mean(axis=0)
+    x, y = (plane / np.abs(plane).max()).T
+    uneven = good.dots + 0.05 * np.stack([x**2 * y, x * y**2 - y**3, np.zeros_like(x)], axis=1)
+    dots = simulated_dots(replace(good, dots=uneven), np.random.default_rng(6))
+    found = Evidence(good.described, dots).explained
+    assert found is not None
+    of_shape = {CheckName.BENT_BOARD, CheckName.WRONG_PITCH}
+    assert {one.hypothesis.check for one in found.by_themselves} <= of_shape
 
 
 def test_the_size_of_a_move_is_found() -> None:

@@ -18,10 +18,11 @@ def check(evidence: Evidence) -> CheckResult:
 def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
     first = one.hypothesis.views[0]
     percent, shift = 100.0 * float(one.size[0]), float(np.linalg.norm(one.size[1:3]))
+    than = "shorter" if percent < 0.0 else "longer"
     return (
         (
             f"{picture_words(model, one)} was refocused before view '{model.views[first]}': from there on "
-            f"its focal length is {percent:+.2g}% longer, its principal point {shift:.2g} px away."
+            f"its focal length is {abs(percent):.2g}% {than}, its principal point {shift:.2g} px away."
         ),
         (
             "Switch autofocus and image stabilisation off, lock the focus ring, and take the views again, or "

@@ -163,6 +163,11 @@ def unit_columns(forms: ViewForms, columns: slice) -> Float64[np.ndarray, "colum
     return _unit(forms, np.arange(columns.start, columns.stop))
 
 
+def any_shape(forms: ViewForms) -> Term:
+    """Return all smooth shapes of the board: an uneven print, a bend, and a stretch."""
+    return Term(unit_columns(forms, forms.shape), np.zeros(forms.views, dtype=np.int64))
+
+
 def _unit(forms: ViewForms, columns: np.ndarray) -> Float64[np.ndarray, "columns k"]:
     found = np.zeros((forms.products.shape[1] - 1, len(columns)))
     found[columns, np.arange(len(columns))] = 1.0
