@@ -166,12 +166,13 @@ def _tested_beside(
     with_it = (*current, *one.terms)
     count = max(1, fit.freedom - before.freedom)
     own = model.own_noise(with_it)
+    width = sum(term.count for term in one.terms)
+    if own <= 0.0:  # poses of each camera's own leave nothing of so few dots to test with
+        return Explanation(one, 1.0, 0.0, fit.values[-width:])
     noise, freedom = _noise(model, with_it, one, (fit, own))
     gain = max(0.0, before.chi2 - fit.chi2)
     p_value = min(1.0, one.alternatives * f_tail(gain / noise / count, count, freedom))
-    width = sum(term.count for term in one.terms)
-    relative = gain / own if own > 0.0 else 0.0  # poses of one's own leave nothing of so few dots
-    return Explanation(one, p_value if own > 0.0 else 1.0, relative, fit.values[-width:])
+    return Explanation(one, p_value, gain / own, fit.values[-width:])
 
 
 def _noise(
