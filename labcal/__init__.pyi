@@ -35,7 +35,6 @@ from .guide.rehearsal.catalogue import load_rig_plan as load_rig_plan
 from .guide.rehearsal.rehearsal import Rehearsal as Rehearsal
 from .guide.rehearsal.rig_plan import RigPlan as RigPlan
 from .guide.rig_check import RigCheck as RigCheck
-from .guide.twin.settings import TwinSettings as TwinSettings
 from .guide.twin.twin import Twin as Twin
 from .pipeline.acceptance import certify as certify
 from .pipeline.check import check as check

@@ -12,8 +12,6 @@ PRINTER_MARGIN_MM = 5.0
 """Rim that most printers leave bare."""
 SHEET_BORDER_MM = 10.0
 """Rim of a laid out sheet on which nothing is printed, as wide as that of :func:`lay_out_print`."""
-MARKS_MM = 2.0
-"""Height kept free on sheets that are designed, for the code beside the ruler, which is taller than both."""
 _LEAST_MM, _MOST_MM = 20.0, 5000.0
 
 

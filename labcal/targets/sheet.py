@@ -25,6 +25,7 @@ _CAPTION_WIDTH_PER_LETTER = 0.75 * CAPTION_SIZE_MM
 # Of sheets with a code, the same.
 _WIDEST_WITH_LEAST_CODE = 280.0
 _LEAST_UNIT_MM = 0.4  # cells of a third of a millimetre, which office printers print
+_LEAST_UNIT_BESIDE = 0.95  # a code that is a little smaller costs less than the height of a row of dots
 _QUIET_UNITS = 4.0
 _CUT_MARGIN = 4.0
 _SMALL_CAPTION = 2.4
@@ -145,8 +146,9 @@ def lay_out_with_code(target: AnyTarget, copy: int = 0) -> Sheet:
     sheet is cut, the code is to stay with the board.
     """
     board = _board(target)
-    beside = board.width >= RULER_MM + _GAP_TO_RULER + CODE_UNIT_MM * BLOCK_WIDTH + _CUT_MARGIN
-    unit = _code_unit(board)
+    room = (board.width - RULER_MM - _GAP_TO_RULER - _CUT_MARGIN) / BLOCK_WIDTH
+    beside = room >= _LEAST_UNIT_BESIDE
+    unit = min(_code_unit(board), room) if beside else _code_unit(board)
     width = max(board.width, RULER_MM + _CUT_MARGIN)
     middle = (board.x_min + board.x_max) / 2
     left, right = middle - width / 2, middle + width / 2

@@ -8,7 +8,7 @@ from labcal.guide.target_design.question import TargetQuestion
 from labcal.guide.target_design.sight import Sight
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.grid import DotGrid
-from labcal.targets.paper import MARKS_MM, sheet_size
+from labcal.targets.paper import sheet_size
 from labcal.targets.sheet import lay_out_print
 from labcal.targets.tiles import tiled, tiled_room
 
@@ -62,7 +62,7 @@ def fits_paper(target: AnyTarget, question: TargetQuestion) -> bool:
     width, height = sheet_size(target)
     if question.tiles == (1, 1):
         grow = 2.0 * question.border_mm
-        return question.paper.holds(width + grow, height + grow + MARKS_MM)
+        return question.paper.holds(width + grow, height + grow)
     try:
         tiled(target, lay_out_print(target), question.paper, question.tiles, question.printer_margin_mm)
     except InputError:
@@ -102,7 +102,7 @@ def _around_board() -> tuple[float, float]:
         name="probe", cols=2, rows=2, pitch_x_mm=200.0, pitch_y_mm=200.0, dot_diameter_mm=9.0, rings=None
     )
     laid = lay_out_print(probe)
-    return laid.paper.width - laid.board.width, laid.paper.height - laid.board.height + MARKS_MM
+    return laid.paper.width - laid.board.width, laid.paper.height - laid.board.height
 
 
 def _one_sheet(question: TargetQuestion) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -119,6 +119,6 @@ def _excess(question: TargetQuestion, width: float, height: float) -> bool:
         if question.tiles != (1, 1)
         else _one_sheet(question)
     )
-    over = [(width - w, height + MARKS_MM - h) for w, h in sheets]
+    over = [(width - w, height - h) for w, h in sheets]
     nearest = min(over, key=lambda one: max(one[0], 0.0) + max(one[1], 0.0))
     return nearest[0] > nearest[1]

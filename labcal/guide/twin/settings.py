@@ -14,7 +14,7 @@ class TwinSettings:
 
     Examples
     --------
-    >>> from labcal import TwinSettings
+    >>> from labcal.pipeline import TwinSettings
     >>> quick = TwinSettings(views=3, spp=64)
     >>> quick.views, quick.draws
     (3, 2)

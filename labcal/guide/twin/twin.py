@@ -63,7 +63,7 @@ class Twin(PublicObject):
     --------
     A twin is made by :func:`labcal.twin`:
 
-    >>> from labcal import TwinSettings
+    >>> from labcal.pipeline import TwinSettings
     >>> TwinSettings(views=2).views
     2
     """
