@@ -69,7 +69,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Bench:
 
 
 def _twin(shoot: object, rig: Rig, target: object = None, folder: Path | None = None) -> labcal.Twin:
-    return labcal.twin(shoot, rig, folder, target, labcal.pipeline.TwinSettings(spp=128))
+    return labcal.twin(shoot, rig, folder, target, pipeline.TwinSettings(spp=128))
 
 
 def test_residuals_are_at_noise_level(bench: Bench, tmp_path: Path) -> None:
