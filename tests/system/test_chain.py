@@ -88,7 +88,8 @@ def test_detect_tells_of_each_picture(labcal: Run, stage: Path, stage_dots: Path
     again, overlay = tmp_path / "again.csv", tmp_path / "overlay"
     told = labcal("detect", stage, "-o", again, "--overlay", overlay, "--workers", 2)
     assert told.status == 0
-    assert set(told.document) == {"images", "indexed", "refused"}
+    assert set(told.document) == {"images", "indexed", "refused", "target", "target_read_from"}
+    assert told.document["target_read_from"] is None  # the shoot states it
     assert (told.document["indexed"], told.document["refused"]) == (4, 0)
     for image in told.document["images"]:
         assert set(image) == {"image", "status", "reason", "dots", "expected", "numberings", "flags"}

@@ -163,7 +163,7 @@ def test_a_folder_that_is_no_shoot(
     points = tmp_path / "points.csv"
     assert labcal("reconstruct", model, stage_dots, "-o", points).status == 0
     refused(labcal, "else is not a shoot", "evaluate", points, tmp_path / "else")
-    refused(labcal, "Name the target that", "calibrate", stage_dots, "-o", empty / "x")
+    refused(labcal, "Name the target: --target", "calibrate", stage_dots, "-o", empty / "x")
     assert list(empty.iterdir()) == []
 
 

@@ -73,14 +73,6 @@ def test_grids_without_rings_are_rendered_and_found(
     assert numberings > 1 or turned == {view: {False} for view in turned}
 
 
-def test_a_scene_refuses_a_charuco_board_by_name(labcal: Run, tmp_path: Path) -> None:
-    told = labcal("render", "webcam-handheld", "-o", tmp_path / "x", "--set", "target=charuco-12x9")
-    assert told.status == 2
-    assert "'charuco'" in told.document["error"]["message"]
-    assert "plain-11x8" in told.document["error"]["message"]
-    assert list(tmp_path.iterdir()) == []
-
-
 def draw_charuco(T: np.ndarray, K: np.ndarray, dist: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     """Return a picture of the board charuco-12x9, OpenCV's own drawing of it seen by OpenCV's camera."""
     fine, per_mm, margin = 3, 10, 100

@@ -145,8 +145,11 @@ def test_no_message_of_the_library_speaks_of_an_option() -> None:
             if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in docs
             if option.search(node.value) and "``" not in node.value
         ]
-    # Titles of tables for people, and what marks a folder of overlays.
+    # The command on the page of a twin, titles of tables for people, and what marks a folder of overlays.
     assert sorted((path, option.findall(text)[0]) for path, text in found) == [
+        ("pipeline/twin.py", "--cameras"),
+        ("pipeline/twin.py", "--dots"),
+        ("pipeline/twin.py", "--target"),
         ("report/bench.py", "--quick"),
         ("report/calibrate_result.py", "--json"),
         ("report/mark_overlays.py", "--overlay"),
