@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float64, Int
 
-from labcal.arrays import Mask, Pixels, Pose, Vectors3
+from labcal.arrays import Mask, Pose, Vectors3
 from labcal.capture.advice import Advice
 from labcal.capture.guide_settings import GuideSettings
 from labcal.capture.source import CameraInfo, FrameSet
@@ -207,7 +207,9 @@ class GuidedCapture:
         return counts
 
 
-def _outlines(known: Standing | RoughRig, asked: tuple[Pose, Mask], target: Findable) -> dict[str, Pixels]:
+def _outlines(
+    known: Standing | RoughRig, asked: tuple[Pose, Mask], target: Findable
+) -> dict[str, Float64[np.ndarray, "corner 2"]]:
     """Return the outline to fill in each camera that will find the target."""
     outline = transform(asked[0], target.outline())
     cameras = zip(known.names, known.cameras, asked[1], strict=True)
