@@ -75,7 +75,9 @@ def test_photographs_at_45_degrees_tell_the_target(
     told = labcal("detect", *pictures, "-o", tmp_path / "d.csv", "--workers", 1)
     assert told.status == 0
     assert told.document["target"] == name
-    assert [image["dots"] for image in told.document["images"]] == [wide.count] * 3
+    found = [image["dots"] for image in told.document["images"]]
+    # A small coded dot may be missed: 98% of them are to be read.
+    assert sum(found) >= 0.98 * 3 * wide.count if name == "coded-8x6" else found == [wide.count] * 3
 
 
 def test_a_shoot_is_captured_and_calibrated_without_naming_the_target(labcal: Run, tmp_path: Path) -> None:
