@@ -45,10 +45,6 @@ class Previewed:
             self._next = self._source.trigger()
         return self._next
 
-    def forget(self) -> None:
-        """Forget the set that was shown: the target is elsewhere now."""
-        self._next = None
-
     def trigger(self) -> FrameSet | None:
         """Take one set."""
         taken, self._next = self._next, None

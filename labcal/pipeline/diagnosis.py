@@ -8,8 +8,9 @@ from labcal.cameras.rig_file import read_rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
 from labcal.paths import AnyPath, as_path
+from labcal.pipeline.detection import measure_pictures
 from labcal.pipeline.pages import claimed_page, page_maker
-from labcal.run.progress import Progress, progress_of
+from labcal.run.progress import Progress
 from labcal.targets.catalogue import AnyTarget
 
 if TYPE_CHECKING:
@@ -64,11 +65,10 @@ def diagnose(
     >>> [one.check.value for one in found.findings]
     ['poor-coverage']
     """
-    from labcal.correspond.measure import detections_of, measure_pictures
+    from labcal.correspond.measure import detections_of
     from labcal.correspond.picture_set import open_pictures, target_shown
     from labcal.guide.diagnosis.diagnosing import diagnosed
     from labcal.guide.diagnosis.evidence import Evidence
-    from labcal.run.executor import open_executor
 
     output = claimed_page(page, [source, rig])
     known = read_rig(as_path(rig)) if isinstance(rig, str | os.PathLike) else rig
@@ -78,8 +78,7 @@ def diagnose(
     else:
         pictures = open_pictures(cast("AnyPictures", source))
         shown = pictures.target(target, known)
-        with open_executor(workers) as executor:
-            found = measure_pictures(pictures.sources, shown, executor, progress_of(progress))
+        found = measure_pictures(pictures, shown, workers=workers, progress=progress)
         evidence = Evidence(shown, detections_of(found), pictures.shoot, tuple(found), known)
     diagnosis = diagnosed(evidence)
     if output is not None:

@@ -3,12 +3,14 @@
 import os
 import shlex
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from labcal.arguments import settings_of
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
+from labcal.pipeline.detection import detect
 from labcal.pipeline.pages import page_maker
 from labcal.pipeline.print_places import dots_beside, given_places
 from labcal.run.progress import Progress, progress_of
@@ -112,10 +114,8 @@ def _measured(
     UnknownNameError, InputError
         There is no such view, or there is no picture.
     """
-    from labcal.correspond.measure import detections_of, measure_pictures
     from labcal.guide.twin.making import Photographs, chosen_views
     from labcal.guide.twin.ray_noise import lamp_variances, rays_of_shoot
-    from labcal.run.executor import open_executor
 
     if not opened.sources:
         raise InputError("No picture is given. Give a shoot, or pictures.")
@@ -123,8 +123,7 @@ def _measured(
     views = chosen_views(names, how.views)
     sources = tuple(source for source in opened.sources if source.view in views)
     rays = None if opened.shoot is None else rays_of_shoot(opened.shoot.folder)
-    with open_executor(how.workers) as executor:
-        found = detections_of(measure_pictures(sources, target, executor, receiver))
+    found = detect(replace(opened, sources=sources), target, workers=how.workers, progress=receiver)
     lamps = {} if opened.shoot is None or rays is None else lamp_variances(opened.shoot.folder)
     return Photographs(sources, found, rays, lamps)
 

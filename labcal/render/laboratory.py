@@ -144,18 +144,11 @@ class Laboratory:
         mi, width, count = self.mi, self.size[0], draw.count
         lane = dr.arange(mi.UInt32, (rows.stop - rows.start) * width * count)
         # Numbers that are opaque to the compiler leave one kernel for all bands and pictures.
-        each, across = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, width)
+        each = dr.opaque(mi.UInt32, count)
         pixel = lane // each + dr.opaque(mi.UInt32, rows.start * width)
         index = lane % each + dr.opaque(mi.UInt32, draw.first)
-        samples = Samples(mi, pixel, index, dr.opaque(mi.UInt32, draw.seed), draw.total)
-        within = samples.square(PIXEL)
-        u = mi.Float64(pixel % across) + (mi.Float64(within.x) - 0.5)
-        v = mi.Float64(pixel // across) + (mi.Float64(within.y) - 0.5)
-        ray, weight = camera.rays(Pixels(u, v, samples))
-        light = radiance(self._placed(), ray, samples) * weight
-        dr.eval(light)  # once for all channels: else each of them would trace its own rays
-        channels = [np.array(dr.block_sum(channel, count)) for channel in light]
-        band = np.stack(channels, axis=-1).reshape(-1, width, len(channels)) / np.float32(count)
+        means = self._means(camera, pixel, index, draw)
+        band = means.reshape(-1, width, means.shape[-1])
         return band if self.colour else band[..., 0]
 
     def trace_pixels(self, camera: Rays, pixels: np.ndarray, draw: Draw) -> np.ndarray:
@@ -176,24 +169,42 @@ class Laboratory:
         import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
         mi, count, step = self.mi, draw.count, max(1, RAYS_AT_ONCE // draw.count)
-        each, across = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, self.size[0])
+        each = dr.opaque(mi.UInt32, count)
         parts = []
         for first in range(0, len(pixels), step):
             chosen = mi.UInt32(np.asarray(pixels[first : first + step], dtype=np.uint32))
             lane = dr.arange(mi.UInt32, dr.width(chosen) * count)
             pixel = dr.gather(mi.UInt32, chosen, lane // each)
             index = lane % each + dr.opaque(mi.UInt32, draw.first)
-            samples = Samples(mi, pixel, index, dr.opaque(mi.UInt32, draw.seed), draw.total)
-            within = samples.square(PIXEL)
-            u = mi.Float64(pixel % across) + (mi.Float64(within.x) - 0.5)
-            v = mi.Float64(pixel // across) + (mi.Float64(within.y) - 0.5)
-            ray, weight = camera.rays(Pixels(u, v, samples))
-            light = radiance(self._placed(), ray, samples) * weight
-            dr.eval(light)
-            channels = [np.array(dr.block_sum(channel, count)) for channel in light]
-            parts.append(np.stack(channels, axis=-1) / np.float32(count))
+            parts.append(self._means(camera, pixel, index, draw))
         light_of = np.concatenate([np.zeros((0, 3 if self.colour else 1), dtype=np.float32), *parts])
         return light_of if self.colour else light_of[..., 0]
+
+    def _means(self, camera: Rays, pixel: Jit, index: Jit, draw: Draw) -> np.ndarray:
+        """Return the mean radiance of pixels over the samples of a draw, float32, shape (n, channels).
+
+        Parameters
+        ----------
+        camera : Rays
+        pixel : array of the variant
+            Number of each sample's pixel; samples of a pixel follow each other.
+        index : array of the variant
+            Number of each sample in its pixel.
+        draw : Draw
+        """
+        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
+
+        mi = self.mi
+        across = dr.opaque(mi.UInt32, self.size[0])
+        samples = Samples(mi, pixel, index, dr.opaque(mi.UInt32, draw.seed), draw.total)
+        within = samples.square(PIXEL)
+        u = mi.Float64(pixel % across) + (mi.Float64(within.x) - 0.5)
+        v = mi.Float64(pixel // across) + (mi.Float64(within.y) - 0.5)
+        ray, weight = camera.rays(Pixels(u, v, samples))
+        light = radiance(self._placed(), ray, samples) * weight
+        dr.eval(light)  # once for all channels: else each of them would trace its own rays
+        channels = [np.array(dr.block_sum(channel, draw.count)) for channel in light]
+        return np.stack(channels, axis=-1) / np.float32(draw.count)
 
     def _placed(self) -> LitScene:
         """Return the scene with its target in place."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from labcal.cameras.record import CameraRecord
-from labcal.render.delivery import Destination, deliver, sensor_picture
+from labcal.render.delivery import Destination, deliver
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
 from labcal.render.sensor_response import Exposure, Shot
@@ -41,17 +41,6 @@ def render_picture(job: Job) -> float:
     began = time.perf_counter()
     deliver(*exposed(job.scene, job.case, job.exposure), Destination(job.path, _texts(job)))
     return time.perf_counter() - began
-
-
-def picture_of(scene: Scene, case: Case, exposure: Exposure) -> np.ndarray:
-    """Render one picture, and return it: uint8 or uint16, shape (height, width) or (height, width, 3).
-
-    Raises
-    ------
-    DeviceError
-        Dr.Jit has no LLVM library to compile with.
-    """
-    return sensor_picture(*exposed(scene, case, exposure))
 
 
 def exposed(

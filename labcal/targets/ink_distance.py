@@ -4,16 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float32, Float64
-from matplotlib.path import Path as Outline
-from matplotlib.transforms import Affine2D
 
-from labcal.targets.shapes import printed_outlines
+from labcal.targets.polygons import print_polygons
 from labcal.targets.target import PrintableTarget
 
 MOST_STEPS = 4096
 """Steps of the grid along the longer side of a board, and a few more."""
-_FLAT = 1000.0
-"""Curves become lines that are true to a share of 1 / 1000 mm."""
 _REACH = 2.5
 """Steps from an edge within which distances are computed; farther ones are cut to that."""
 
@@ -62,21 +58,16 @@ def ink_distance(target: PrintableTarget) -> InkDistance:
     high = np.ceil(np.array([x_max, y_max]) / step).astype(int) + 2
     origin = low * step
     cols, rows = (high - low + 1).tolist()
-    edges = (_edges(printed_outlines(target)) - origin) / step
+    edges = (_edges(print_polygons(target)) - origin) / step
     away = _nearest(edges, (rows, cols))
     signed = np.where(_winding(edges, (rows, cols)) != 0, away, -away) * step
     return InkDistance((float(origin[0]), float(origin[1])), float(step), signed.astype(np.float32))
 
 
-def _edges(outlines: Outline) -> Float64[np.ndarray, "edges ends xy"]:
-    """Return the sides of the polygons that outlines are, shape (edges, 2, 2)."""
-    larger = outlines.transformed(Affine2D().scale(_FLAT))
-    larger.should_simplify = False
-    parts = []
-    for polygon in larger.to_polygons():
-        corners = np.asarray(polygon) / _FLAT
-        parts.append(np.stack([corners[:-1], corners[1:]], axis=1))
-    return np.concatenate(parts) if parts else np.zeros((0, 2, 2))
+def _edges(polygons: list[Float64[np.ndarray, "corners 2"]]) -> Float64[np.ndarray, "edges ends xy"]:
+    """Return the sides of polygons, shape (edges, 2, 2)."""
+    sides = [np.stack([corners[:-1], corners[1:]], axis=1) for corners in polygons]
+    return np.concatenate(sides) if sides else np.zeros((0, 2, 2))
 
 
 def _winding(edges: Float64[np.ndarray, "edges ends xy"], shape: tuple[int, int]) -> np.ndarray:

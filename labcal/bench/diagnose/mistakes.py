@@ -12,9 +12,6 @@ from labcal.correspond.detections import Detections
 from labcal.geometry.poses import from_rotation_vector, transform
 from labcal.guide.diagnosis.check_name import CheckName
 
-_LEAST_REACH = 0.02
-"""Share of the usual tilts and places below which a hand does not stay."""
-
 Mistaken = Callable[[HeldShoot, float, np.random.Generator], HeldShoot]
 
 

@@ -10,16 +10,15 @@ from labcal.calibrate.adjustment.outliers import outliers
 from labcal.calibrate.adjustment.rounds import predicted_eccentricities
 from labcal.calibrate.adjustment.state import POSE, Lenses, RigState
 from labcal.calibrate.budget.view_dispersion import ViewDispersion, view_scores
-from labcal.calibrate.lens_start import start_from_camera
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.calibrate.validity.change import Change
 from labcal.calibrate.validity.evidence import NewViews
 from labcal.calibrate.validity.explanation import Calibrated, Explanation, Views, explained
+from labcal.calibrate.validity.first_pose import first_pose
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_covariance import RigCovariance
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
-from labcal.geometry.poses import inverse
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
 from labcal.wording import listed
@@ -131,7 +130,7 @@ def prepared(rig: Rig, detections: Detections, shown: AnyTarget | DotPlaces) -> 
     names, cameras = entering.views, tuple(rig.camera(name) for name in rig.cameras)
     _require_sizes(rig, entering)
     observations = observations_of(entering, target, tuple(rig.cameras), names)
-    T_world_target = np.stack([_first_pose(rig, entering, view, target) for view in names])
+    T_world_target = np.stack([first_pose(rig, entering, view, target) for view in names])
     state = RigState(cameras, T_world_target, dots)
     distance = float(np.median(np.linalg.norm(T_world_target[:, :3, 3], axis=1)))
     imaged = np.isfinite(state.residuals(observations)).all(axis=1)
@@ -276,13 +275,3 @@ def _require_sizes(rig: Rig, dots: Detections) -> None:
                 f"The pictures of camera '{name}' are {size[0]} x {size[1]} px, but it was calibrated with "
                 f"{known[0]} x {known[1]}. Take pictures of the same size, without cropping or binning."
             )
-
-
-def _first_pose(rig: Rig, dots: Detections, view: str, target: AnyTarget) -> np.ndarray:
-    """Return the pose of the target in a view, by the camera that sees most of it, as the rig was."""
-    here = dots.where(dots.view == view)
-    counts = {name: int((here.camera == name).sum()) for name in here.cameras}
-    name = max(counts, key=lambda camera: counts[camera])
-    camera = rig.camera(name)
-    start = start_from_camera([here.where(here.camera == name)], target, camera)
-    return np.asarray(inverse(camera.T_cam_world) @ start.T_cam_target[0])

@@ -11,7 +11,7 @@ from labcal.render.sensor_response import Shot
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry
 from labcal.targets.catalogue import AnyTarget
-from labcal.targets.shapes import printed_outlines
+from labcal.targets.polygons import print_polygons
 
 _FINER = 8
 """Steps of a pixel in which outlines are filled."""
@@ -19,8 +19,6 @@ _SHIFT = 6
 """Bits of a fraction of such a step."""
 _PIECE_PX = 2.0
 """Length of the pieces of a line, so that a lens bends it."""
-_CURVE_STEPS = 24
-"""Pieces of each curve."""
 
 
 def drawn_print(
@@ -69,8 +67,7 @@ def drawn_print(
 def _polygons(target: AnyTarget, piece_mm: float) -> list[np.ndarray]:
     """Return the outlines of the print as closed polygons with short sides, mm."""
     found = []
-    for ring in printed_outlines(target).to_polygons(closed_only=True):
-        corners = np.asarray(ring, dtype=np.float64)
+    for corners in print_polygons(target):
         lengths = np.linalg.norm(np.diff(corners, axis=0), axis=1)
         pieces = np.maximum(1, np.ceil(lengths / piece_mm)).astype(int)
         along = [

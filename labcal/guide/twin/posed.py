@@ -9,14 +9,13 @@ from labcal.arrays import Pixels, Vectors3
 from labcal.calibrate.adjustment.observations import Observations, observations_of
 from labcal.calibrate.adjustment.rounds import predicted_eccentricities
 from labcal.calibrate.adjustment.state import RigState
-from labcal.calibrate.lens_start import start_from_camera
 from labcal.calibrate.usable_dots import in_full_pictures, unmeasured_pictures, usable_dots
 from labcal.calibrate.validity.evidence import NewViews
+from labcal.calibrate.validity.first_pose import first_pose
 from labcal.calibrate.validity.prepared import require_cameras
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
-from labcal.geometry.poses import inverse
 from labcal.targets.grid import DotGrid
 
 _GROSS, _GROSS_PX = 8.0, 2.0
@@ -91,7 +90,7 @@ def posed_views(rig: Rig, detections: Detections, target: DotGrid, dots: Vectors
         raise InputError("No picture shows enough dots to render it again: " + "; ".join(skipped[:3]) + ".")
     names, cameras = entering.views, tuple(rig.cameras)
     seen = observations_of(entering, target, cameras, names)
-    first = np.stack([_first_pose(rig, entering, view, target) for view in names])
+    first = np.stack([first_pose(rig, entering, view, target) for view in names])
     state = RigState(tuple(rig.camera(name) for name in cameras), first, dots)
     radii = 0.5 * target.outer_diameters_mm()
     state, seen, off = _settled(state, seen, radii)
@@ -131,13 +130,3 @@ def _settled(
 def _keys(seen: Observations, mask: np.ndarray) -> list[tuple[int, int, int]]:
     chosen = np.column_stack([seen.camera, seen.view, seen.dot])[mask].tolist()
     return [(camera, view, dot) for camera, view, dot in chosen]
-
-
-def _first_pose(rig: Rig, dots: Detections, view: str, target: DotGrid) -> Float64[np.ndarray, "4 4"]:
-    """Return the pose of the target in a view, by the camera that sees most of it."""
-    here = dots.where(dots.view == view)
-    counts = {name: int((here.camera == name).sum()) for name in here.cameras}
-    name = max(counts, key=lambda camera: counts[camera])
-    camera = rig.camera(name)
-    start = start_from_camera([here.where(here.camera == name)], target, camera)
-    return np.asarray(inverse(camera.T_cam_world) @ start.T_cam_target[0])

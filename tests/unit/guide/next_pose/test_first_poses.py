@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from held_target import target
 
 from labcal.cameras.camera import Camera
 from labcal.capture.guide_settings import GuideSettings
@@ -14,18 +15,9 @@ from labcal.guide.next_pose.first_poses import (
     turned_away,
 )
 from labcal.guide.next_pose.rough_rig import RoughRig
-from labcal.targets.grid import DotGrid, Rings
 
 SIZE = (1280, 960)
 SIZES = {"left": SIZE, "right": SIZE}
-
-
-def target() -> DotGrid:
-    return DotGrid(
-        name="held", cols=13, rows=10, pitch_x_mm=18.0, pitch_y_mm=18.0, dot_diameter_mm=8.0,
-        ring_outer_diameter_mm=8.0, ring_inner_diameter_mm=3.5, margin_mm=10.0,
-        rings=Rings(origin=(3, 3), x=(9, 3), y=(3, 7)),
-    )  # fmt: skip
 
 
 def rig(focal: float) -> tuple[Camera, Camera]:

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from held_target import target
 
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.state import RigState
@@ -15,7 +16,6 @@ from labcal.guide.next_pose.information import view_information
 from labcal.guide.next_pose.standing import DotVariance
 from labcal.guide.next_pose.volume import MeasuredVolume
 from labcal.rng import generator
-from labcal.targets.grid import DotGrid, Rings
 
 SIZE = (1280, 960)
 CENTRE = np.array([60.0, 0.0, 700.0])
@@ -29,14 +29,6 @@ def rig() -> tuple[Camera, ...]:
     right = pose(R, -R @ np.array([120.0, 0.0, 0.0]))
     dist = (-0.1, 0.05, 1e-4, -1e-4, 0.0)
     return tuple(Camera(K, "brown5", dist, T, SIZE) for T in (np.eye(4), right))
-
-
-def target() -> DotGrid:
-    return DotGrid(
-        name="held", cols=13, rows=10, pitch_x_mm=18.0, pitch_y_mm=18.0, dot_diameter_mm=8.0,
-        ring_outer_diameter_mm=8.0, ring_inner_diameter_mm=3.5, margin_mm=10.0,
-        rings=Rings(origin=(3, 3), x=(9, 3), y=(3, 7)),
-    )  # fmt: skip
 
 
 def poses(count: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
