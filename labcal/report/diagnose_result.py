@@ -84,7 +84,7 @@ def harm_words(one: Finding) -> str:
     if not isfinite(one.harm_mm):
         return "No rig explains the dots until it is mended."
     times = 1.0 + one.harm_percent / 100.0
-    return f"It adds about {one.harm_mm:.1g} mm (RMS, in 3-D): errors about {times:.2g} times as large."
+    return f"It adds about {one.harm_mm:.2g} mm (RMS, in 3-D): errors about {times:.2g} times as large."
 
 
 def _finding(one: Finding) -> FindingResult:

@@ -107,7 +107,7 @@ def _table(found: Diagnosis, maker: PageMaker) -> PageTable:
     rows = [
         [
             one.check.value, maker.phrase(one.words), maker.phrase(one.mend),
-            _number(one.harm_mm), _number(one.harm_percent),
+            _number(one.harm_mm), _percent(one.harm_percent),
             _chance(one.p_value),
         ]
         for one in found.findings
@@ -155,6 +155,12 @@ def _chance(p_value: float | None) -> str:
     if p_value is None:
         return MISSING
     return f"{p_value:.1g}" if p_value > _SHOWN_CHANCE else f"< {_SHOWN_CHANCE:.0e}"
+
+
+def _percent(value: float | None) -> str:
+    """Return a number of two digits, written out: 310, not 3.1e+02."""
+    text = _number(value)
+    return f"{float(text):.0f}" if "e+" in text else text
 
 
 def _number(value: float | None) -> str:

@@ -23,8 +23,8 @@ def twin_summary(result: TwinResult) -> str:
     """Return the outcome in a sentence."""
     return (
         f"The simulation explains {100.0 * result.explained:.0f}% of the squared residuals of "
-        f"{counted(result.dots, 'dot')}: {result.rms_px:.3g} px RMS between photographs and renderings, of "
-        f"which noise makes {result.noise_px:.3g} px."
+        f"{counted(result.dots, 'dot')}: {result.rms_px:.3g} px RMS between photographs and renderings; "
+        f"noise alone makes {result.noise_px:.3g} px."
     )
 
 
