@@ -1,17 +1,28 @@
-"""COLMAP's text model: a folder with ``cameras.txt``, ``images.txt`` and ``points3D.txt``.
+"""COLMAP's text model: a folder with ``cameras.txt``, ``images.txt``, ``rigs.txt`` and ``frames.txt``.
 
-COLMAP counts pixels from the corner of the top-left one, whose centre is (0.5, 0.5): the principal point is
-shifted here and nowhere else. An image's quaternion (w x y z) and translation map world to camera, whose axes
-are labcal's. COLMAP has no units; labcal writes millimetres and takes a model for millimetres.
+``rigs.txt`` and ``frames.txt`` are of COLMAP 3.12 and later; older models have none, and older programs skip
+them. What the numbers mean stands in :mod:`labcal.cameras.interop.colmap_model`. Lines are read as
+``src/colmap/scene/reconstruction_io_text.cc`` reads them: behind each image one line lists its points.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import TypeVar
 
-import numpy as np
-
-from labcal.arrays import Pose
+from labcal.cameras.interop.colmap_lenses import COUNTS
+from labcal.cameras.interop.colmap_model import (
+    PLACE,
+    ColmapModel,
+    ModelCamera,
+    ModelFrame,
+    ModelImage,
+    ModelRig,
+    model_of,
+    place_of,
+    placed,
+    rig_of_model,
+)
 from labcal.cameras.interop.exchange import (
     NOTHING_GIVEN,
     Home,
@@ -22,45 +33,17 @@ from labcal.cameras.interop.exchange import (
     RigTexts,
     SourceText,
 )
-from labcal.cameras.interop.lens_parameters import (
-    camera_record,
-    fisheye_coefficients,
-    fisheye_lens,
-    held_coefficients,
-    named_lens,
-    opencv_model,
-    perspective_lens,
-    refuse_what_only_labcal_holds,
-)
-from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
-from labcal.cameras.interop.placement import rig_of
-from labcal.cameras.lens import ENHANCED_UNIFIED
-from labcal.cameras.opencv_model import FISHEYE
-from labcal.cameras.record import CameraRecord
+from labcal.cameras.interop.numbers_text import finite_numbers, is_number, number_text, picture_size
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
-from labcal.geometry.poses import from_quaternion, pose, quaternion
 from labcal.run.file_marks import TEXT_COMMENT
 
-_HOLDER = "COLMAP"
-_HALF_PIXEL = 0.5
-_CAMERAS, _IMAGES, _POINTS = "cameras.txt", "images.txt", "points3D.txt"
-_PERSPECTIVE = {
-    "SIMPLE_PINHOLE": (1, 0),
-    "PINHOLE": (2, 0),
-    "SIMPLE_RADIAL": (1, 1),
-    "RADIAL": (1, 2),
-    "OPENCV": (2, 4),
-    "FULL_OPENCV": (2, 8),
-}
-"""By model: how many focal lengths, and how many of OpenCV's coefficients follow the principal point."""
-_FISHEYE = {"SIMPLE_RADIAL_FISHEYE": (1, 1), "RADIAL_FISHEYE": (1, 2), "OPENCV_FISHEYE": (2, 4)}
-_EUCM = {"EUCM": (2, 2)}
-"""Alpha and beta; COLMAP has it from version 4.1 on."""
-_MODELS = _PERSPECTIVE | _FISHEYE | _EUCM
-_CAMERA_LINE = rf"^\d+ ({'|'.join(_MODELS)}|FOV|THIN_PRISM_FISHEYE) \d+ \d+ |CAMERA_ID, MODEL, WIDTH, HEIGHT"
-_CAMERA_WORDS = 4
-_IMAGE_WORDS = 10
+_CAMERAS, _IMAGES, _RIGS, _FRAMES = "cameras.txt", "images.txt", "rigs.txt", "frames.txt"
+_POINTS = "points3D.txt"
+_CAMERA_LINE = rf"^\d+ ({'|'.join(COUNTS)}) \d+ \d+ |CAMERA_ID, MODEL, WIDTH, HEIGHT"
+_SENSOR = "CAMERA"
+_OF_A_POINT = 3
+Entry = TypeVar("Entry")
 
 
 def recognises(text: str) -> bool:
@@ -69,7 +52,7 @@ def recognises(text: str) -> bool:
 
 
 def read_colmap(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
-    """Read the texts of one folder; each camera must have taken one image, which gives its pose.
+    """Read the texts of one folder, or one camera from ``cameras.txt`` alone.
 
     Raises
     ------
@@ -77,60 +60,68 @@ def read_colmap(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIV
         A file is missing or damaged, a camera model has no counterpart, or a camera has more than one place.
     """
     by_name = {source.path.name: source for source in sources}
-    if _CAMERAS not in by_name or _IMAGES not in by_name:
+    if _CAMERAS not in by_name and len(sources) == 1 and recognises(sources[0].text):
+        by_name = {_CAMERAS: sources[0]}
+    if _CAMERAS not in by_name:
         raise InputError(f"A model of COLMAP is a folder with {_CAMERAS} and {_IMAGES}. Give the folder.")
-    images = _images(by_name[_IMAGES])
-    cameras = _lines(by_name[_CAMERAS])
-    names, records = [], []
-    notes: tuple[str, ...] = ()
-    listed = [line for line in cameras if line]
-    for line in listed:
-        words = line.split()
-        taken = [image for image in images if image[0] == words[0]]
-        if len(listed) == 1 and len(taken) != 1:
-            note = f"Camera {words[0]:.20} took {len(taken)} images: its lens is read, no place of it."
-            notes += (note,)
-            taken = [(words[0], f"camera-{words[0]}", np.eye(4))]
-        if len(taken) != 1:
-            raise InputError(
-                f"{by_name[_IMAGES].path}: camera {words[0]:.20} took {len(taken)} images. A rig's camera "
-                "has one place: keep one image of each camera."
-            )
-        _, name, T_cam_world = taken[0]
-        names.append(Path(name).stem)
-        records.append(_camera(words, T_cam_world, by_name[_CAMERAS].path))
-    if not records:
-        raise InputError(f"{by_name[_CAMERAS].path} lists no camera.")
-    return ReadRig(rig_of(names, records), notes)
+    cameras = _entries(by_name[_CAMERAS], _camera)
+    if _IMAGES not in by_name and len(cameras) > 1:
+        raise InputError(
+            f"{by_name[_CAMERAS].path} holds {len(cameras)} cameras, whose places stand in {_IMAGES}. Give "
+            "the folder with both."
+        )
+    model = ColmapModel(
+        tuple(cameras),
+        tuple(_images(by_name[_IMAGES])) if _IMAGES in by_name else (),
+        tuple(_entries(by_name[_RIGS], _rig)) if _RIGS in by_name else (),
+        tuple(_entries(by_name[_FRAMES], _frame)) if _FRAMES in by_name else (),
+    )
+    return rig_of_model(model, by_name[_CAMERAS].path)
 
 
 def write_colmap(rig: Rig, _suffix: str) -> RigTexts:
-    """Return the three texts, with one image a camera.
+    """Return the five texts: one rig in one frame, with one image a camera.
 
     Raises
     ------
     InputError
         COLMAP has no such lens.
     """
-    cameras: list[str] = []
-    images: list[str] = []
-    points: list[str] = []
-    for number, (name, record) in enumerate(rig.cameras.items(), start=1):
-        model, coefficients = _distortion(name, record)
-        (fx, _, cx), (_, fy, cy), _ = record.K
-        numbers = (fx, fy, cx + _HALF_PIXEL, cy + _HALF_PIXEL, *coefficients)
-        cameras.append(f"{number} {model} {record.size[0]} {record.size[1]} {_words(numbers)}")
-        T_cam_world = np.array(record.T_cam_world)
-        place = (*quaternion(T_cam_world[:3, :3]), *T_cam_world[:3, 3])
-        images.append(f"{number} {_words(place)} {number} {name}.png\n")
+    model = model_of(rig)
+    cameras = [
+        f"{one.number} {one.model} {one.size[0]} {one.size[1]} {_words(one.parameters)}"
+        for one in model.cameras
+    ]
+    images = [
+        f"{one.number} {_words(place_of(one.T_cam_world))} {one.camera} {one.name}\n" for one in model.images
+    ]
+    rigs = []
+    for one in model.rigs:
+        (first, _), *others = one.T_cam_rig.items()
+        seats = [f" {_SENSOR} {at} 1 {_words(place_of(T))}" for at, T in others if T is not None]
+        rigs.append(f"{one.number} {1 + len(others)} {_SENSOR} {first}{''.join(seats)}")
+    frames = [
+        f"{one.number} {one.rig} {_words(place_of(one.T_rig_world))} {len(one.images)}"
+        + "".join(f" {_SENSOR} {camera} {image}" for camera, image in one.images)
+        for one in model.frames
+    ]
+    place = "QW, QX, QY, QZ, TX, TY, TZ"
     texts = (
         (_CAMERAS, "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]", cameras),
+        (_IMAGES, f"# IMAGE_ID, {place}, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)", images),
+        (_POINTS, "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)", []),
         (
-            _IMAGES,
-            "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)",
-            images,
+            _RIGS,
+            "# RIG_ID, NUM_SENSORS, REF_SENSOR_TYPE, REF_SENSOR_ID, SENSORS[] as (SENSOR_TYPE, SENSOR_ID, "
+            f"HAS_POSE, [{place}])",
+            rigs,
         ),
-        (_POINTS, "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)", points),
+        (
+            _FRAMES,
+            f"# FRAME_ID, RIG_ID, RIG_FROM_WORLD[{place}], NUM_DATA_IDS, DATA_IDS[] as (SENSOR_TYPE, "
+            "SENSOR_ID, DATA_ID)",
+            frames,
+        ),
     )
     return RigTexts(tuple(OutputText(name, "\n".join([head, *lines]) + "\n") for name, head, lines in texts))
 
@@ -139,62 +130,103 @@ def _words(values: Sequence[float]) -> str:
     return " ".join(number_text(value) for value in values)
 
 
-def _lines(source: SourceText) -> list[str]:
-    """Return the lines that are no comments."""
-    return [line.strip() for line in source.text.splitlines() if not line.lstrip().startswith("#")]
-
-
-def _images(source: SourceText) -> list[tuple[str, str, Pose]]:
-    """Return camera, name and pose of each image; every second line lists points and may be empty."""
+def _entries(source: SourceText, entry: Callable[[Iterator[str], Path], Entry]) -> list[Entry]:
+    """Return what stands in the lines that are no comments; each is used up to its last word."""
     found = []
-    for line in _lines(source)[::2]:
-        words = line.split(maxsplit=_IMAGE_WORDS - 1)
-        if not words:
+    for line in source.text.split("\n"):
+        words = line.split()
+        if not words or words[0].startswith("#"):
             continue
-        if len(words) != _IMAGE_WORDS:
-            raise InputError(f"{source.path}: '{line:.60}' is no line of an image.")
-        numbers = finite_numbers(words[1:8], (7,), "a pose", source.path)
-        wxyz = np.array(numbers[:4])
-        if abs(np.linalg.norm(wxyz) - 1.0) > 1e-3:  # noqa: PLR2004 -- rounded to few digits
-            raise InputError(f"{source.path}: the quaternion in '{line:.60}' has not the length 1.")
-        found.append((words[8], words[9], pose(from_quaternion(wxyz), np.array(numbers[4:]))))
+        left = iter(words)
+        try:
+            found.append(entry(left, source.path))
+        except StopIteration:
+            raise InputError(f"{source.path}: the line '{line.strip():.60}' ends too early.") from None
+        surplus = next(left, None)
+        if surplus is not None:
+            raise InputError(f"{source.path}: '{surplus:.40}' is too much in the line '{line.strip():.60}'.")
     return found
 
 
-def _camera(words: Sequence[str], T_cam_world: Pose, path: Path) -> CameraRecord:
+def _whole(words: Iterator[str], what: str, path: Path) -> int:
+    """Return a number of a thing, or how many there are."""
+    word = next(words)
+    if not (word.isascii() and word.isdigit() and len(word) < 20):  # noqa: PLR2004 -- digits of 64 bits
+        raise InputError(f"{path}: {what} should be a whole number, but is '{word:.40}'.")
+    return int(word)
+
+
+def _camera(words: Iterator[str], path: Path) -> ModelCamera:
     """Return the camera of one line."""
-    if len(words) < _CAMERA_WORDS:
-        raise InputError(f"{path}: '{' '.join(words):.60}' is no line of a camera.")
-    model = words[1]
-    if model not in _MODELS:
-        raise InputError(
-            f"{path}: the camera model {model:.40} has no counterpart here; {', '.join(_MODELS)} have. Use "
-            f"one of these."
-        )
-    focals, count = _MODELS[model]
-    numbers = finite_numbers(words[4:], (focals + 2 + count,), f"the parameters of {model}", path)
-    fx, fy = numbers[0], numbers[focals - 1]
-    cx, cy = (value - _HALF_PIXEL for value in numbers[focals : focals + 2])
-    coefficients = numbers[focals + 2 :]
-    if model in _EUCM:
-        lens = named_lens(ENHANCED_UNIFIED, coefficients)
-    else:
-        lens = (fisheye_lens if model in _FISHEYE else perspective_lens)(coefficients)
-    size = picture_size(words[2:4], path)
-    return camera_record((fx, fy, cx, cy), lens, T_cam_world, size, path)
+    number, model = _whole(words, "a CAMERA_ID", path), next(words)
+    size = picture_size([next(words), next(words)], path)
+    rest = list(words)
+    count = COUNTS.get(model, len(rest))
+    return ModelCamera(
+        number, model, size, finite_numbers(rest, (count,), f"the parameters of {model}", path)
+    )
 
 
-def _distortion(name: str, record: CameraRecord) -> tuple[str, tuple[float, ...]]:
-    """Return COLMAP's model and its coefficients."""
-    if record.lens == ENHANCED_UNIFIED:
-        refuse_what_only_labcal_holds(name, record, _HOLDER)
-        return "EUCM", record.dist[: _EUCM["EUCM"][1]]
-    if opencv_model(name, record, _HOLDER) is FISHEYE:
-        return "OPENCV_FISHEYE", fisheye_coefficients(record)
-    held = held_coefficients(name, record, 8, f"{_HOLDER} (FULL_OPENCV)")
-    if not any(held):
-        return "PINHOLE", ()
-    return ("FULL_OPENCV", held) if any(held[4:]) else ("OPENCV", held[:4])
+def _place(words: Iterator[str], path: Path) -> tuple[float, ...]:
+    return finite_numbers([next(words) for _ in range(PLACE)], (PLACE,), "a pose", path)
+
+
+def _sensor(words: Iterator[str], path: Path) -> tuple[bool, int]:
+    """Return whether a sensor is a camera, and its number."""
+    return next(words) == _SENSOR, _whole(words, "a SENSOR_ID", path)
+
+
+def _rig(words: Iterator[str], path: Path) -> ModelRig:
+    """Return the rig of one line."""
+    number, count = _whole(words, "a RIG_ID", path), _whole(words, "NUM_SENSORS", path)
+    seats = {}
+    for at in range(count):
+        is_camera, sensor = _sensor(words, path)
+        T = None
+        if at == 0:
+            T = placed((1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), "the reference sensor", path)
+        elif _whole(words, "HAS_POSE", path) == 1:
+            T = placed(_place(words, path), f"sensor {sensor} of rig {number}", path)
+        if is_camera:
+            if sensor in seats:
+                raise InputError(f"{path}: camera {sensor} occurs twice in rig {number}.")
+            seats[sensor] = T
+    return ModelRig(number, seats)
+
+
+def _frame(words: Iterator[str], path: Path) -> ModelFrame:
+    """Return the frame of one line."""
+    number, rig = _whole(words, "a FRAME_ID", path), _whole(words, "a RIG_ID", path)
+    T_rig_world = placed(_place(words, path), f"frame {number}", path)
+    images = []
+    for _ in range(_whole(words, "NUM_DATA_IDS", path)):
+        is_camera, sensor = _sensor(words, path)
+        image = _whole(words, "a DATA_ID", path)
+        if is_camera:
+            images.append((sensor, image))
+    return ModelFrame(number, rig, T_rig_world, tuple(images))
+
+
+def _images(source: SourceText) -> Iterator[ModelImage]:
+    """Return the images; behind each one line lists its points, and may be empty."""
+    lines = iter(source.text.split("\n"))
+    for line in lines:
+        words = line.split()
+        if not words or words[0].startswith("#"):
+            continue
+        if len(words) != PLACE + 3:
+            raise InputError(f"{source.path}: '{line.strip():.60}' is no line of an image.")
+        left = iter(words)
+        number = _whole(left, "an IMAGE_ID", source.path)
+        T = placed(_place(left, source.path), f"image {number}", source.path)
+        camera, name = _whole(left, "a CAMERA_ID", source.path), next(left)
+        points = next(lines, "").split()
+        if len(points) % _OF_A_POINT or not all(map(is_number, points)):
+            raise InputError(
+                f"{source.path}: behind the line of {name:.60} there should be one that lists its points, "
+                "which may be empty."
+            )
+        yield ModelImage(number, camera, name, T)
 
 
 COLMAP = RigFormat(

@@ -1,6 +1,6 @@
 """Data that pass between a rig and the files of other systems."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -15,6 +15,14 @@ class SourceText:
 
     path: Path
     text: str
+    """Of a file that is no text: a character for each byte (Latin-1)."""
+    data: bytes = b""
+    """The bytes, for formats that are no text."""
+
+    @property
+    def is_text(self) -> bool:
+        """False for a file with zero bytes."""
+        return b"\0" not in self.data
 
 
 class Unit(Enum):
@@ -38,11 +46,13 @@ class ReadOptions:
     unit: Unit | None = None
     lens: str | None = None
     """A lens model of labcal."""
+    key: Mapping[str, str] | None = None
+    """Names of keys in the files, by the usual ones."""
 
     @property
     def named(self) -> list[str]:
         """The names of those that are given."""
-        return [name for name in ("size", "unit", "lens") if getattr(self, name) is not None]
+        return [name for name in ("size", "unit", "lens", "key") if getattr(self, name) is not None]
 
 
 NOTHING_GIVEN = ReadOptions()
@@ -63,7 +73,7 @@ class OutputText:
 
     label: str
     """Empty where it holds the whole rig; else the camera's name, or in a folder the file's name."""
-    text: str
+    text: str | bytes
 
 
 @dataclass(frozen=True)
@@ -109,3 +119,5 @@ class RigFormat:
     """Unit of lengths in its files, if nothing else is known."""
     options: tuple[str, ...] = ("unit",)
     """The :class:`ReadOptions` that reading can make use of."""
+    binary: bool = False
+    """True if its files are no text."""

@@ -1,6 +1,7 @@
 """Numbers in the text files of other systems: exact on the way out, checked on the way in."""
 
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,6 +10,8 @@ from labcal.wording import shown
 
 _MOST = 1e20
 """Of any number: squares and products of a few of them do not overflow."""
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+"""Python also takes ``1_000`` and digits of other scripts for numbers; no other system writes them."""
 _MOST_PIXELS = 2**26
 """As many as a picture may have."""
 
@@ -18,6 +21,11 @@ def number_text(value: float) -> str:
     text = repr(float(value))
     mantissa, e, exponent = text.partition("e")
     return text if not e or "." in mantissa else f"{mantissa}.0e{exponent}"
+
+
+def is_number(text: str) -> bool:
+    """Tell whether a text is a decimal number, as all systems write it."""
+    return _NUMBER.fullmatch(text.strip()) is not None
 
 
 def finite_number(value: object, what: str, source: Path) -> float:
@@ -31,7 +39,7 @@ def finite_number(value: object, what: str, source: Path) -> float:
     # YAML 1.1 takes 1e-3 for text, and truth values for numbers.
     if isinstance(value, (int, float, str)) and not isinstance(value, bool):
         try:
-            number = float(value)
+            number = math.nan if isinstance(value, str) and not is_number(value) else float(value)
         except (ValueError, OverflowError):
             number = math.nan
         if abs(number) <= _MOST:

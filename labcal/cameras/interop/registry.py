@@ -2,6 +2,7 @@
 
 from labcal.arguments import one_named
 from labcal.cameras.interop.colmap import COLMAP
+from labcal.cameras.interop.colmap_binary import COLMAP_BINARY
 from labcal.cameras.interop.dice import DICE
 from labcal.cameras.interop.exchange import Home, RigFormat, SourceText
 from labcal.cameras.interop.kalibr import KALIBR
@@ -12,7 +13,9 @@ from labcal.cameras.interop.ros import ROS
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 
-FORMATS: dict[str, RigFormat] = {one.name: one for one in (LABCAL, OPENCV, MRCAL, KALIBR, ROS, COLMAP, DICE)}
+FORMATS: dict[str, RigFormat] = {
+    one.name: one for one in (LABCAL, OPENCV, MRCAL, KALIBR, ROS, COLMAP, COLMAP_BINARY, DICE)
+}
 
 
 def format_by_name(name: str) -> RigFormat:

@@ -34,7 +34,6 @@ from labcal.run.unfinished import unfinished_folder
 _MOST_BYTES = max(one.most_bytes for one in FORMATS.values())
 _MOST_TOGETHER = 4 * _MOST_BYTES
 _MOST_FILES = 100
-_BINARY = "cameras.bin"
 _LIKELY_MM = (1.0, 1e5)
 """Distances of two cameras that are taken as they stand."""
 
@@ -68,17 +67,19 @@ def read_rig_files(
     """
     wanted = None if format_name is None else format_by_name(format_name)
     given_paths = [as_path(path) for path in paths]
-    files = _files(given_paths)
+    files = _files(given_paths, wanted)
     together = sum(path.stat().st_size for path in files if path.is_file())
     _require_size(files[0], together, _MOST_TOGETHER)
     sources = [_source(path, wanted) for path in files]
     found = [(source, wanted or recognised_format(source)) for source in sources]
     in_folder = any(path.is_dir() for path in given_paths)
+    by_path = {source.path: source for source in sources}
     known = [(source, one) for source, one in found if one is not None]
     strange = [source.path for source, one in found if one is None]
     if strange and not (in_folder and known):
+        what = "" if by_path[strange[0]].is_text else "is no text file, and "
         raise InputError(
-            f"{strange[0]} is of no format that is read here ({', '.join(FORMATS)}). If it should be, name "
+            f"{strange[0]} {what}is of no format that is read here ({', '.join(FORMATS)}). If it should be, name "
             f"it: `from_format='FORMAT'`."
         )
     kinds = {one.name: one for _, one in known}
@@ -90,7 +91,9 @@ def read_rig_files(
     if chosen.home is not Home.FOLDER:
         sources = [source for source, _ in known]
     for source in sources:
-        _require_size(source.path, len(source.text), chosen.most_bytes)
+        _require_size(source.path, len(source.data), chosen.most_bytes)
+        if not source.is_text and not chosen.binary:
+            raise InputError(f"{source.path} is no text file, as those of the format '{chosen.name}' are.")
     _require_options(chosen, given)
     read = chosen.read(sources, given)
     rig = _in_unit(read.rig, chosen, given)
@@ -210,7 +213,7 @@ def chosen_cameras(rig: Rig, names: Sequence[str]) -> Rig:
     )
 
 
-def _folder(path: Path, chosen: RigFormat, texts: RigTexts) -> dict[str, str] | None:
+def _folder(path: Path, chosen: RigFormat, texts: RigTexts) -> dict[str, str | bytes] | None:
     """Return the texts by name where they are to be a folder, else None."""
     if chosen.home is Home.FOLDER:
         return {one.label: one.text for one in texts.files}
@@ -233,26 +236,20 @@ def _file_kind(chosen: RigFormat) -> FileKind:
     )
 
 
-def _command(folder: dict[str, str]) -> str:
+def _command(folder: dict[str, str | bytes]) -> str:
     return f"convert {sorted(folder)}"
 
 
-def _files(paths: Sequence[Path]) -> list[Path]:
-    """Return files, with folders replaced by the text files in them."""
-    endings = {suffix for one in FORMATS.values() for suffix in one.suffixes}
+def _files(paths: Sequence[Path], wanted: RigFormat | None) -> list[Path]:
+    """Return files, with folders replaced by the files in them that end as the formats do."""
+    formats = FORMATS.values() if wanted is None else [wanted]
+    endings = {suffix for one in formats for suffix in one.suffixes}
     files: list[Path] = []
     for path in paths:
         if path.is_dir():
             files += sorted(entry for entry in path.iterdir() if entry.suffix.lower() in endings)
         else:
             files.append(path)
-    binary = [path / _BINARY if path.is_dir() else path for path in paths]
-    if len(files) <= 1 and binary[0].name == _BINARY and binary[0].is_file():
-        raise InputError(
-            f"{binary[0]} is COLMAP's binary model, which is not read here. Turn it into text: colmap "
-            f"model_converter --input_path {binary[0].parent} --output_path TEXT --output_type TXT, and give "
-            "that folder."
-        )
     if not files:
         raise InputError(f"There is no file of any format in {', '.join(map(str, paths))}.")
     if len(files) > _MOST_FILES:
@@ -263,15 +260,14 @@ def _files(paths: Sequence[Path]) -> list[Path]:
 
 
 def _source(path: Path, wanted: RigFormat | None) -> SourceText:
-    """Read a text file of sensible size."""
+    """Read a file of sensible size."""
     most = _MOST_BYTES if wanted is None else wanted.most_bytes
     data = read_bytes(path, "file", most)
     try:
-        return SourceText(path, data.decode("utf-8-sig"))
+        text = data.decode("latin-1" if b"\0" in data else "utf-8-sig")
     except UnicodeDecodeError:
-        if b"\0" in data:
-            raise InputError(f"{path} is no text file.") from None
-        return SourceText(path, data.decode("latin-1"))
+        text = data.decode("latin-1")
+    return SourceText(path, text, data)
 
 
 def _require_size(path: Path, length: int, most: int) -> None:

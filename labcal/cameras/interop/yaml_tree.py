@@ -1,4 +1,4 @@
-"""YAML of other systems: mappings, lists and scalars only, and OpenCV's matrices."""
+"""YAML of other systems: mappings, lists and scalars only, and OpenCV's matrices; numbers stay texts."""
 
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,13 @@ def _plain_mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[Any,
     return loader.construct_mapping(node, deep=True)
 
 
+def _number_as_text(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> object:
+    return loader.construct_scalar(node)
+
+
+# YAML 1.1 takes 0700 for 448, 1:30 for 90 and 1_0 for 10, which nobody means who writes a matrix.
+for _tag in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float"):
+    _Loader.add_constructor(_tag, _number_as_text)
 for _tag in _MATRIX_TAGS:
     _Loader.add_constructor(_tag, _plain_mapping)
 
