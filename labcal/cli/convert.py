@@ -72,6 +72,12 @@ def add_parser(commands: CommandGroup) -> None:
         help="of OpenCV's files with four coefficients that do not state it: brown5 or fisheye-kb4",
     )
     parser.add_argument(
+        "--key",
+        action="append",
+        metavar="NAME=KEY,...",
+        help="of OpenCV's files with keys of their own: camera_matrix=cameraMatrixL, or M1, D1, M2, D2, R, T",
+    )
+    parser.add_argument(
         "--columns",
         metavar="NAME=COLUMN,...",
         help="of --from columns: where pixels stand, as in 'point=id,left=x+u:y+v,right=x+q:y+r'; + adds",

@@ -7,6 +7,9 @@ import numpy as np
 from labcal.arrays import Matrix3, Pose, Vectors3
 from labcal.errors import InputError
 
+_UPRIGHT = 1e-12
+"""Cosine of an angle that is as good as 90 degrees."""
+
 
 def pose(R_ab: Matrix3, t_ab: np.ndarray) -> Pose:
     """Return ``T_ab`` from its rotation and the origin of b in a (mm)."""
@@ -61,6 +64,17 @@ def from_fixed_angles_deg(xyz: Sequence[float]) -> Matrix3:
     from scipy.spatial.transform import Rotation  # noqa: PLC0415 -- as above
 
     return np.asarray(Rotation.from_euler("xyz", xyz, degrees=True).as_matrix())
+
+
+def fixed_angles_deg(R_ab: Matrix3) -> tuple[float, float, float]:
+    """Return the three angles of :func:`from_fixed_angles_deg`; where y is turned by 90 degrees, z is 0."""
+    across = float(np.hypot(R_ab[0, 0], R_ab[1, 0]))
+    y = np.arctan2(-R_ab[2, 0], across)
+    if across < _UPRIGHT:
+        x, z = np.arctan2(-R_ab[1, 2], R_ab[1, 1]), 0.0
+    else:
+        x, z = np.arctan2(R_ab[2, 1], R_ab[2, 2]), np.arctan2(R_ab[1, 0], R_ab[0, 0])
+    return float(np.degrees(x)), float(np.degrees(y)), float(np.degrees(z))
 
 
 def nearest_rotation(M: Matrix3) -> tuple[Matrix3, np.ndarray]:

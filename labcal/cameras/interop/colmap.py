@@ -42,6 +42,7 @@ _CAMERAS, _IMAGES, _RIGS, _FRAMES = "cameras.txt", "images.txt", "rigs.txt", "fr
 _POINTS = "points3D.txt"
 _CAMERA_LINE = rf"^\d+ ({'|'.join(COUNTS)}) \d+ \d+ |CAMERA_ID, MODEL, WIDTH, HEIGHT"
 _SENSOR = "CAMERA"
+_SENSORS, _DATA = (f"{what}[] as (SENSOR_TYPE, SENSOR_ID," for what in ("SENSORS", "DATA_IDS"))
 _OF_A_POINT = 3
 Entry = TypeVar("Entry")
 
@@ -106,20 +107,18 @@ def write_colmap(rig: Rig, _suffix: str) -> RigTexts:
         for one in model.frames
     ]
     place = "QW, QX, QY, QZ, TX, TY, TZ"
-    texts = (
+    texts: tuple[tuple[str, str, list[str]], ...] = (
         (_CAMERAS, "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]", cameras),
         (_IMAGES, f"# IMAGE_ID, {place}, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)", images),
         (_POINTS, "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)", []),
         (
             _RIGS,
-            "# RIG_ID, NUM_SENSORS, REF_SENSOR_TYPE, REF_SENSOR_ID, SENSORS[] as (SENSOR_TYPE, SENSOR_ID, "
-            f"HAS_POSE, [{place}])",
+            f"# RIG_ID, NUM_SENSORS, REF_SENSOR_TYPE, REF_SENSOR_ID, {_SENSORS} HAS_POSE, [{place}])",
             rigs,
         ),
         (
             _FRAMES,
-            f"# FRAME_ID, RIG_ID, RIG_FROM_WORLD[{place}], NUM_DATA_IDS, DATA_IDS[] as (SENSOR_TYPE, "
-            "SENSOR_ID, DATA_ID)",
+            f"# FRAME_ID, RIG_ID, RIG_FROM_WORLD[{place}], NUM_DATA_IDS, {_DATA} DATA_ID)",
             frames,
         ),
     )
@@ -211,7 +210,7 @@ def _images(source: SourceText) -> Iterator[ModelImage]:
     """Return the images; behind each one line lists its points, and may be empty."""
     lines = iter(source.text.split("\n"))
     for line in lines:
-        words = line.split()
+        words = line.split(maxsplit=PLACE + 2)
         if not words or words[0].startswith("#"):
             continue
         if len(words) != PLACE + 3:
@@ -219,7 +218,7 @@ def _images(source: SourceText) -> Iterator[ModelImage]:
         left = iter(words)
         number = _whole(left, "an IMAGE_ID", source.path)
         T = placed(_place(left, source.path), f"image {number}", source.path)
-        camera, name = _whole(left, "a CAMERA_ID", source.path), next(left)
+        camera, name = _whole(left, "a CAMERA_ID", source.path), next(left).strip()
         points = next(lines, "").split()
         if len(points) % _OF_A_POINT or not all(map(is_number, points)):
             raise InputError(

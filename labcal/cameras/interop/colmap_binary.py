@@ -170,7 +170,7 @@ def write_colmap_binary(rig: Rig, _suffix: str) -> RigTexts:
         + b"".join(struct.pack("<iIQ", _SENSOR, camera, image) for camera, image in one.images)
         for one in model.frames
     ]
-    files = (
+    files: tuple[tuple[str, int, list[bytes]], ...] = (
         (_CAMERAS, len(cameras), cameras),
         (_IMAGES, len(images), images),
         (_POINTS, 0, []),

@@ -1,10 +1,10 @@
 """COLMAP's model of cameras, images, rigs and frames, whichever files it comes from, and labcal's rig of it.
 
 COLMAP counts pixels from the corner of the top-left one, whose centre is (0.5, 0.5): the principal point is
-shifted here and nowhere else. An image's quaternion (w x y z) and translation map world to camera, whose axes
-are labcal's. From version 3.12 on a rig gives places to its sensors, in the frame of its reference sensor, and
-a frame is one place of the rig. COLMAP has no units; labcal writes millimetres and takes a model for
-millimetres.
+shifted in :mod:`labcal.cameras.interop.colmap_lenses` and nowhere else. An image's quaternion (w x y z) and
+translation map world to camera, whose axes are labcal's. From version 3.12 on a rig gives places to its
+sensors, in the frame of its reference sensor, and a frame is one place of the rig. COLMAP has no units;
+labcal writes millimetres and takes a model for millimetres.
 """
 
 from collections import Counter
@@ -135,10 +135,11 @@ def rig_of_model(model: ColmapModel, source: Path) -> ReadRig:
         poses = {number: images[0].T_cam_world for number, images in taken.items()}
     elif seats is not None and len(model.cameras) > 1:
         poses = seats
-        notes = (
+        note = (
             f"{source}: the cameras took several images, or none; their places are those of the rig, whose "
-            "reference sensor is the world.",
+            "reference sensor is the world."
         )
+        notes = (note,)
     elif len(model.cameras) == 1:
         (number,) = taken
         notes = (f"Camera {number} took {len(taken[number])} images: its lens is read, no place of it.",)
@@ -176,11 +177,11 @@ def _require_agreement(model: ColmapModel, seats: Mapping[int, Pose] | None, sou
     by_number = {image.number: image for image in model.images}
     rigs = {rig.number: rig for rig in model.rigs}
     for frame in model.frames:
-        for camera, image in frame.images:
+        for camera, number in frame.images:
             T_cam_rig = rigs[frame.rig].T_cam_rig[camera]
             if T_cam_rig is None:
                 continue
-            _require_same(by_number[image].T_cam_world, T_cam_rig @ frame.T_rig_world, camera, source)
+            _require_same(by_number[number].T_cam_world, T_cam_rig @ frame.T_rig_world, camera, source)
     if seats is None or model.frames:
         return
     first = model.images[0]

@@ -13,7 +13,6 @@ from labcal.cameras.interop.rig_files import (
     baseline_mm,
     chosen_cameras,
     read_rig_files,
-    read_unit,
     rig_outputs,
     write_rig_files,
 )
@@ -51,6 +50,8 @@ class ConvertSettings:
     """Of lengths in the files that are read, ``mm`` or ``m``."""
     lens: str | None = None
     """Of OpenCV's files with four coefficients that do not state it: ``brown5`` or ``fisheye-kb4``."""
+    key: Mapping[str, str] | Sequence[str] | str | None = None
+    """Of OpenCV's files: their keys by the usual ones, ``camera_matrix=cameraMatrixL``."""
     columns: str | None = None
     """Of tables of pixels without a fixed form: ``point=id,left=x+u:y+v,right=x+q:y+r``; ``+`` adds."""
     likelihood: float | None = None
@@ -72,6 +73,8 @@ class ConvertSettings:
             values["target"] = as_text(self.target)
         if self.size is not None:
             values["size"] = _picture_size(self.size)
+        if self.key is not None:
+            values["key"] = _keys(self.key)
         if self.likelihood is not None:
             values["likelihood"] = _likelihood(self.likelihood)
         _unit(self.unit)
@@ -81,6 +84,11 @@ class ConvertSettings:
     def picture_size(self) -> tuple[int, int] | None:
         """Width and height of the pictures, px, as numbers."""
         return self.size if isinstance(self.size, tuple) else None
+
+    @property
+    def keys(self) -> Mapping[str, str] | None:
+        """Keys of files by the usual ones."""
+        return self.key if isinstance(self.key, Mapping) else None
 
     def refuse(self, names: Iterable[str], why: str) -> None:
         """Raise where something is given that would be dropped.
@@ -158,7 +166,7 @@ def convert_cameras(
     settings.refuse(("columns", "likelihood"), "goes with tables of pixels, not with cameras")
     to_format = settings.to_format
     wanted = format_by_name(to_format) if to_format else format_to_write(output)
-    given = ReadOptions(settings.picture_size, _unit(settings.unit), settings.lens)
+    given = ReadOptions(settings.picture_size, _unit(settings.unit), settings.lens, settings.keys)
     source, found = read_rig_files(paths, settings.from_format, given)
     rig = chosen_cameras(found.rig, list(settings.only)) if settings.only else found.rig
     texts = wanted.write(rig, output.suffix)
@@ -175,7 +183,7 @@ def convert_cameras(
         files=[str(file) for file in files],
         cameras=list(rig.cameras),
         points=None,
-        unit=read_unit(source, given).value,
+        unit=None if found.unit is None else found.unit.value,
         baseline_mm=baseline_mm(found.rig),
         notes=notes,
         inconsistent=[] if rig.calibration is None else list(rig.calibration.inconsistent),
@@ -193,6 +201,23 @@ def _picture_size(given: object) -> tuple[int, int]:
     if max(width, height) > LONGEST_SIDE_PX:
         raise InputError(f"`size` is at most {LONGEST_SIDE_PX} px a side, but {width} x {height} was given.")
     return (width, height)
+
+
+def _keys(given: Mapping[str, str] | Sequence[str] | str) -> dict[str, str]:
+    """Return keys of files by the usual ones, from a mapping or from texts such as ``a=b,c=d``."""
+    if isinstance(given, Mapping):
+        return {one_text(usual, "key"): one_text(theirs, "key") for usual, theirs in given.items()}
+    listed = [given] if isinstance(given, str) else texts(given, "key")
+    keys: dict[str, str] = {}
+    for part in [part for text in listed for part in text.split(",")]:
+        usual, _, theirs = (word.strip() for word in part.partition("="))
+        if not (usual and theirs) or usual in keys:
+            raise InputError(
+                "`key` is a list such as camera_matrix=cameraMatrixL, each name once, but "
+                f"'{part:.60}' was given."
+            )
+        keys[usual] = theirs
+    return keys
 
 
 def _likelihood(given: object) -> float:

@@ -73,6 +73,8 @@ def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN)
             "DICe."
         )
     lists = {child.get("name", ""): child for child in root if child.tag == _LIST}
+    if len(lists) < sum(child.tag == _LIST for child in root):
+        raise InputError(f"{path}: a camera occurs twice.")
     cameras: list[ET.Element] = []
     while f"CAMERA {len(cameras)}" in lists:
         cameras.append(lists[f"CAMERA {len(cameras)}"])
@@ -142,7 +144,12 @@ def _add_camera(parent: ET.Element, name: str, record: CameraRecord) -> None:
 
 def _values(element: ET.Element) -> dict[str, str]:
     """Return the parameters of a list, by name."""
-    return {child.get("name", ""): child.get("value", "") for child in element if child.tag == _PARAMETER}
+    found = [(child.get("name", ""), child.get("value", "")) for child in element if child.tag == _PARAMETER]
+    names = [name for name, _ in found]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"The parameter {twice:.40} occurs twice in one list. Leave one of them.")
+    return dict(found)
 
 
 def _array(text: str | None) -> list[str]:

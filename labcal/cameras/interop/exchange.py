@@ -65,6 +65,8 @@ class ReadRig:
     rig: Rig
     notes: tuple[str, ...] = ()
     """Notes for people: assumptions and changes."""
+    unit: Unit | None = None
+    """The unit of lengths that the files themselves state; None where they state none."""
 
 
 @dataclass(frozen=True)
@@ -121,3 +123,5 @@ class RigFormat:
     """The :class:`ReadOptions` that reading can make use of."""
     binary: bool = False
     """True if its files are no text."""
+    unit_is_usual: bool = True
+    """False if its files are in millimetres about as often as in metres."""

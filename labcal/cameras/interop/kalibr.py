@@ -156,11 +156,24 @@ def _lens(name: str, record: CameraRecord) -> tuple[tuple[str, str], tuple[float
 def _step(chain: Sequence[dict[str, Any]], number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:
     """Return ``T_cam_before``, mm, from the chain or, where it has none, from the places on an IMU."""
     before, camera = chain[number - 1], chain[number]
-    if "T_cn_cnm1" in camera or not ("T_cam_imu" in camera and "T_cam_imu" in before):
+    if "T_cn_cnm1" in camera or not (_on_imu(camera) and _on_imu(before)):
         return _matrix(camera, "T_cn_cnm1", number, path)
-    T_before_imu, note_before = _matrix(before, "T_cam_imu", number - 1, path)
-    T_cam_imu, note = _matrix(camera, "T_cam_imu", number, path)
+    T_before_imu, note_before = _from_imu(before, number - 1, path)
+    T_cam_imu, note = _from_imu(camera, number, path)
     return T_cam_imu @ inverse(T_before_imu), note_before + note
+
+
+def _on_imu(camera: dict[str, Any]) -> bool:
+    """Tell whether a camera has its place on an IMU."""
+    return "T_cam_imu" in camera or "T_imu_cam" in camera
+
+
+def _from_imu(camera: dict[str, Any], number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:
+    """Return ``T_cam_imu``, mm, also where its inverse is stated (as OpenVINS and Basalt do)."""
+    if "T_cam_imu" in camera:
+        return _matrix(camera, "T_cam_imu", number, path)
+    T_imu_cam, notes = _matrix(camera, "T_imu_cam", number, path)
+    return inverse(T_imu_cam), notes
 
 
 def _matrix(camera: dict[str, Any], key: str, number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:

@@ -113,6 +113,13 @@ def _name(source: SourceText) -> str:
     return stated[1] if stated else source.path.stem
 
 
+def _keys(text: str) -> list[str]:
+    """Return the keys of a dictionary literal, as often as they occur."""
+    body = ast.parse(text, mode="eval").body
+    found = body.keys if isinstance(body, ast.Dict) else []
+    return [str(key.value) for key in found if isinstance(key, ast.Constant)]
+
+
 def _camera(source: SourceText) -> CameraRecord:
     """Return the camera of one file."""
     path = source.path
@@ -127,6 +134,9 @@ def _camera(source: SourceText) -> CameraRecord:
         ) from error
     if not isinstance(content, dict):
         raise InputError(f"{path} is not a camera model of mrcal: it holds no dictionary.")
+    keys = _keys(text)
+    if len(keys) != len(set(keys)):
+        raise InputError(f"{path}: a key occurs twice, so that it is not known which holds.")
     model = content.get("lensmodel")
     if not isinstance(model, str) or model not in _COEFFICIENTS:
         raise InputError(

@@ -6,8 +6,8 @@ camera). Two cameras: ``M1 D1 M2 D2 R T`` as stereoCalibrate returns them (first
 Millimetres. What follows from these (E, F, and R1 R2 P1 P2 Q of rectification) is neither written nor read.
 """
 
-import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -29,13 +29,13 @@ from labcal.cameras.interop.lens_parameters import (
 )
 from labcal.cameras.interop.opencv_camera import (
     COUNTS,
-    MATRIX,
     SIDES,
     is_posed,
     read_camera,
     read_pose,
     sides_of,
 )
+from labcal.cameras.interop.opencv_keys import ALONE, with_given_keys, with_other_half
 from labcal.cameras.interop.opencv_storage import Content, Storage, read_storage, storage_text
 from labcal.cameras.interop.placement import poses_from_first, rig_of
 from labcal.cameras.lens import LENGTH
@@ -50,10 +50,8 @@ _PAIR = 2
 
 
 def recognises(text: str) -> bool:
-    """Tell whether a text is a FileStorage with a camera, or with the pose of a pair, in it."""
-    ours = "<opencv_storage>" in text or "opencv-matrix" in text or "opencv-nd-matrix" in text
-    keys = [f"{key}{side}" for key in MATRIX for side in ("", *(side for sides in SIDES for side in sides))]
-    return ours and any(re.search(rf"^\s*<?{key}[ :>]", text, re.MULTILINE) for key in (*keys, "R"))
+    """Tell whether a text is a FileStorage with matrices in it, whatever their keys."""
+    return "<opencv_storage>" in text or "opencv-matrix" in text or "opencv-nd-matrix" in text
 
 
 def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
@@ -65,15 +63,20 @@ def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
         A file is damaged, has no camera, does not state its lens or its picture size, or several cameras have
         no poses.
     """
-    stores = [read_storage(source) for source in sources]
-    paired = [storage for storage in stores if sides_of(storage) is not None]
+    stores = with_given_keys([read_storage(source) for source in sources], given.key)
+    alone = given.key is not None and ALONE in given.key
+    notes: tuple[str, ...] = ()
+    if not alone:
+        stores, notes = with_other_half(stores)
+    paired = [] if alone else [storage for storage in stores if sides_of(storage) is not None]
     if paired:
         others = [storage for storage in stores if storage is not paired[0]]
-        return _read_pair(paired[0], others, given)
+        read = _read_pair(paired[0], others, given)
+        return replace(read, notes=(*notes, *read.notes))
     names, records = [], []
-    notes: tuple[str, ...] = ()
     for storage in stores:
-        posed = is_posed(storage)
+        # R and T of a pair place the second camera, not one that a user picks out of it.
+        posed = is_posed(storage) and (not alone or {"R", "T"} <= storage.mapped)
         if len(stores) > 1 and not posed:
             raise InputError(
                 f"{storage.path} holds a camera without its pose (R and T), so several cameras cannot be "
@@ -184,5 +187,5 @@ OPENCV = RigFormat(
     read_opencv,
     write_opencv,
     TEXT_COMMENT,
-    options=("unit", "size", "lens"),
+    options=("unit", "size", "lens", "key"),
 )

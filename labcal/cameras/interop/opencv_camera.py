@@ -75,8 +75,9 @@ def read_camera(storage: Storage, side: str, T_cam_world: Pose, given: ReadOptio
         if storage.first(keys) is None:
             raise InputError(
                 f"{storage.path} has no {keys[0]} (a matrix of OpenCV). Its keys are "
-                f"{', '.join(map(str, storage.content))[:300]}; rename those of a pair to M1 D1 M2 D2 R T, "
-                "those of one camera to camera_matrix and distortion_coefficients."
+                f"{', '.join(map(str, storage.content))[:300]}; name those of a pair as M1 D1 M2 D2 R T, "
+                "those of one camera as camera_matrix and distortion_coefficients: "
+                f"`key='{keys[0]}=KEY'`."
             )
     numbers = intrinsics_of(storage.matrix(matrix, (9,)), storage.path)
     coefficients = storage.matrix(dist, COUNTS)
@@ -89,7 +90,7 @@ def _lens(
 ) -> tuple[str, tuple[float, ...]]:
     """Return the lens: as the file states, else as given, else by the number of coefficients."""
     path = storage.path
-    stated, wanted = _stated_fisheye(storage), _given_fisheye(given)
+    stated, wanted = _stated_fisheye(storage), given_fisheye(given)
     if stated is not None and wanted is not None and stated != wanted:
         raise InputError(
             f"{path} states that its lens is {'a' if stated else 'no'} fisheye, but `lens='{given.lens}'` "
@@ -120,7 +121,7 @@ def _stated_fisheye(storage: Storage) -> bool | None:
     return False if words & _PERSPECTIVE_WORDS else None
 
 
-def _given_fisheye(given: ReadOptions) -> bool | None:
+def given_fisheye(given: ReadOptions) -> bool | None:
     """Return whether the lens that was named is the fisheye; None where none was."""
     if given.lens not in (None, BROWN, FISHEYE):
         raise InputError(

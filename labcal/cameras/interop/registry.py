@@ -1,12 +1,15 @@
 """The formats by name, by the ending of a file, or by what it holds."""
 
 from labcal.arguments import one_named
+from labcal.cameras.interop.anipose import ANIPOSE
 from labcal.cameras.interop.colmap import COLMAP
 from labcal.cameras.interop.colmap_binary import COLMAP_BINARY
 from labcal.cameras.interop.dice import DICE
 from labcal.cameras.interop.exchange import Home, RigFormat, SourceText
 from labcal.cameras.interop.kalibr import KALIBR
 from labcal.cameras.interop.labcal_rig import LABCAL
+from labcal.cameras.interop.matchid import MATCHID
+from labcal.cameras.interop.matlab import MATLAB
 from labcal.cameras.interop.mrcal import MRCAL
 from labcal.cameras.interop.opencv import OPENCV
 from labcal.cameras.interop.ros import ROS
@@ -14,7 +17,8 @@ from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 
 FORMATS: dict[str, RigFormat] = {
-    one.name: one for one in (LABCAL, OPENCV, MRCAL, KALIBR, ROS, COLMAP, COLMAP_BINARY, DICE)
+    one.name: one
+    for one in (LABCAL, OPENCV, MRCAL, KALIBR, ROS, COLMAP, COLMAP_BINARY, DICE, ANIPOSE, MATLAB, MATCHID)
 }
 
 

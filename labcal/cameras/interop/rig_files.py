@@ -79,8 +79,8 @@ def read_rig_files(
     if strange and not (in_folder and known):
         what = "" if by_path[strange[0]].is_text else "is no text file, and "
         raise InputError(
-            f"{strange[0]} {what}is of no format that is read here ({', '.join(FORMATS)}). If it should be, name "
-            f"it: `from_format='FORMAT'`."
+            f"{strange[0]} {what}is of no format that is read here ({', '.join(FORMATS)}). If it should be, "
+            "name it: `from_format='FORMAT'`."
         )
     kinds = {one.name: one for _, one in known}
     if len(kinds) != 1:
@@ -96,14 +96,10 @@ def read_rig_files(
             raise InputError(f"{source.path} is no text file, as those of the format '{chosen.name}' are.")
     _require_options(chosen, given)
     read = chosen.read(sources, given)
-    rig = _in_unit(read.rig, chosen, given)
+    unit = _unit_of(read, chosen, given)
+    rig = _in_unit(read.rig, unit.mm / chosen.unit.mm)
     checked_rig(rig, str(sources[0].path))
-    return chosen, replace(read, rig=rig)
-
-
-def read_unit(chosen: RigFormat, given: ReadOptions) -> Unit:
-    """Return what lengths in the files of a format were taken for."""
-    return given.unit or chosen.unit
+    return chosen, replace(read, rig=rig, unit=unit)
 
 
 def baseline_mm(rig: Rig) -> float | None:
@@ -122,34 +118,53 @@ def _require_options(chosen: RigFormat, given: ReadOptions) -> None:
             )
 
 
-def _in_unit(rig: Rig, chosen: RigFormat, given: ReadOptions) -> Rig:
-    """Return a rig whose lengths were taken for the format's own unit in the unit that is given.
+def _in_unit(rig: Rig, scale: float) -> Rig:
+    """Return a rig whose lengths are multiplied by `scale`."""
+    if scale == 1.0:
+        return rig
+    records = {}
+    for name, record in rig.cameras.items():
+        camera = record.camera()
+        T = camera.T_cam_world.copy()
+        T[:3, 3] *= scale
+        records[name] = CameraRecord.of(replace(camera, T_cam_world=T))
+    return Rig(cameras=records)
+
+
+def _unit_of(read: ReadRig, chosen: RigFormat, given: ReadOptions) -> Unit:
+    """Return the unit of lengths in files: what they state, or is given, or is usual and makes sense.
 
     Raises
     ------
     InputError
-        Nothing is given, and the distance of the cameras speaks for another unit.
+        Files and `given` contradict each other; or nothing is given, and the distance of the cameras speaks
+        for another unit than the usual one, or for either.
     """
-    unit = read_unit(chosen, given)
-    scale = unit.mm / chosen.unit.mm
-    if scale != 1.0:
-        records = {}
-        for name, record in rig.cameras.items():
-            camera = record.camera()
-            T = camera.T_cam_world.copy()
-            T[:3, 3] *= scale
-            records[name] = CameraRecord.of(replace(camera, T_cam_world=T))
-        rig = Rig(cameras=records)
-    baseline = baseline_mm(rig)
-    if given.unit is None and "unit" in chosen.options and baseline is not None:
-        low, high = _LIKELY_MM
-        if not low <= baseline <= high:
-            raise InputError(
-                f"The first two cameras would be {baseline:.4g} mm apart, if lengths are in {unit.value} as "
-                f"in most files of the format '{chosen.name}'. State their unit: `unit='mm'` or "
-                "`unit='m'`."
-            )
-    return rig
+    if given.unit is not None and read.unit not in (None, given.unit):
+        raise InputError(
+            f"The files state themselves that lengths are in {read.unit.value}, but "
+            f"`unit='{given.unit.value}'` states otherwise. Leave that out."
+        )
+    stated = given.unit or read.unit
+    baseline = baseline_mm(read.rig)
+    if stated is not None or "unit" not in chosen.options or baseline is None:
+        return stated or chosen.unit
+    low, high = _LIKELY_MM
+    apart = baseline / chosen.unit.mm  # in the unit of the file
+    likely = [unit for unit in Unit if low <= apart * unit.mm <= high]
+    if chosen.unit_is_usual and chosen.unit in likely:
+        return chosen.unit
+    if not chosen.unit_is_usual and len(likely) == 1:
+        return likely[0]
+    if chosen.unit_is_usual:
+        raise InputError(
+            f"The first two cameras would be {baseline:.4g} mm apart, if lengths are in {chosen.unit.value} "
+            f"as in most files of the format '{chosen.name}'. State their unit: `unit='mm'` or `unit='m'`."
+        )
+    raise InputError(
+        f"The first two cameras are {apart:.4g} apart, and files of the format '{chosen.name}' do not state "
+        "whether that is in millimetres or in metres. State it: `unit='mm'` or `unit='m'`."
+    )
 
 
 def write_rig_files(path: AnyPath, chosen: RigFormat, texts: RigTexts, *, force: bool) -> list[Path]:

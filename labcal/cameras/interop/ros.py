@@ -38,6 +38,7 @@ from labcal.cameras.interop.lens_parameters import (
     perspective_lens,
 )
 from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
+from labcal.cameras.interop.opencv_storage import require_shape
 from labcal.cameras.interop.placement import MM_IN_M, poses_from_first, rig_of, rounded_pose
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
 from labcal.cameras.opencv_model import FISHEYE
@@ -161,11 +162,23 @@ def _matrix(values: np.ndarray) -> str:
 
 
 def _content(source: SourceText) -> dict[str, Any]:
-    """Return what a file holds, with the keys of camera_info files; of printed messages, the first one."""
-    if not _is_message(source.text):
-        return read_yaml_tree(source.text, source.path)
-    first = re.split(r"^---\s*$", source.text.removeprefix("---"), maxsplit=1, flags=re.MULTILINE)[0]
-    content = {str(key).lower(): value for key, value in read_yaml_tree(first, source.path).items()}
+    """Return what a file holds, with the keys of camera_info files; of several alike, the first one."""
+    texts = re.split(r"^---[ \t\r]*$", source.text, flags=re.MULTILINE)
+    documents = [text for text in texts if re.search(r"^[^#%\s]", text, re.MULTILINE)] or [source.text]
+    contents = [_document(text, source.path) for text in documents]
+    if any(content != contents[0] for content in contents):
+        raise InputError(
+            f"{source.path} holds {len(contents)} documents that state different cameras. Put each into a "
+            "file of its own."
+        )
+    return contents[0]
+
+
+def _document(text: str, path: Path) -> dict[str, Any]:
+    """Return what one document holds."""
+    if not _is_message(text):
+        return read_yaml_tree(text, path)
+    content = {str(key).lower(): value for key, value in read_yaml_tree(text, path).items()}
     header = content.get("header")
     name = header.get("frame_id") if isinstance(header, dict) else None
     matrices = {file_key: {"data": content.get(key)} for file_key, key in _MESSAGE_KEYS.items()}
@@ -182,7 +195,9 @@ def _data(content: dict[str, Any], key: str, counts: Sequence[int], path: Path) 
     matrix = content.get(key)
     if not isinstance(matrix, dict):
         raise InputError(f"{path} has no {key} with rows, cols and data.")
-    return finite_numbers(matrix.get("data"), counts, key, path)
+    numbers = finite_numbers(matrix.get("data"), counts, key, path)
+    require_shape(matrix, len(numbers), key, path)
+    return numbers
 
 
 def _camera(content: dict[str, Any], T_cam_world: Pose, path: Path) -> CameraRecord:

@@ -68,7 +68,9 @@ def convert_detections(
             "these endings. Of tables of pixels, name the program that wrote them: `from_format='dlc'` (or "
             "colmap-tracks, dice-subsets, columns)."
         )
-    settings.refuse(("from_format", "to_format", "unit", "lens"), "goes with cameras, not with detections")
+    settings.refuse(
+        ("from_format", "to_format", "unit", "lens", "key"), "goes with cameras, not with detections"
+    )
     settings.refuse(("columns", "likelihood"), "goes with tables of pixels, not with detections")
     beside = ("cameras", "size") if ends[0] == TABLE else ("only",)
     settings.refuse(beside, f"does not apply to {ends[0]} as input")

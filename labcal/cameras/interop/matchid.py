@@ -1,0 +1,148 @@
+"""MatchID's ``.caldat``: a line ``label;value`` for each number of a stereo pair.
+
+MatchID publishes no description. What is public are programs that write and read such files and agree:
+pyvale (UKAEA) and what is built on OpenCorr use kappa 1 to 3, P1 and P2 as OpenCV's k1, k2, k3, p1 and p2.
+Theta, Phi and Psi turn about the fixed axes x, y and z in this order, in degrees, and with Tx, Ty, Tz (mm)
+map coordinates of camera 0 to those of camera 1. Older files count cameras from 1. There is no size of the
+pictures in them, and nobody states where pixels count from; labcal takes the centre of the first one.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from labcal.cameras.interop.exchange import (
+    NOTHING_GIVEN,
+    Home,
+    OutputText,
+    ReadOptions,
+    ReadRig,
+    RigFormat,
+    RigTexts,
+    SourceText,
+)
+from labcal.cameras.interop.lens_parameters import camera_record, held_coefficients, perspective_lens
+from labcal.cameras.interop.numbers_text import finite_number, number_text
+from labcal.cameras.interop.placement import poses_from_first, rig_of
+from labcal.cameras.rig import Rig
+from labcal.errors import InputError
+from labcal.geometry.poses import fixed_angles_deg, from_fixed_angles_deg, pose
+from labcal.run.file_marks import TEXT_COMMENT
+
+_HOLDER = "MatchID"
+_PAIR = 2
+_COEFFICIENTS = ("Kappa 1", "Kappa 2", "P1", "P2", "Kappa 3")
+"""In OpenCV's order."""
+_SHIFT, _TURN = ("Tx", "Ty", "Tz"), ("Theta", "Phi", "Psi")
+_LABEL = re.compile(r"^cam([012])_fx\b.*;", re.MULTILINE | re.IGNORECASE)
+_ORIGIN = (
+    "MatchID does not publish where its pixels count from: taken for the centre of the first one, as of "
+    "OpenCV."
+)
+
+
+def recognises(text: str) -> bool:
+    """Tell whether a text is such a file."""
+    return len(set(_LABEL.findall(text))) == _PAIR
+
+
+def read_matchid(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
+    """Read one pair.
+
+    Raises
+    ------
+    InputError
+        A label is missing, occurs twice or has no number, there is skew, or no size is given.
+    """
+    if len(sources) != 1:
+        raise InputError("A .caldat holds a pair. Give one of them.")
+    source = sources[0]
+    path, values = source.path, _values(source)
+    numbers = sorted({label[3] for label in values if re.match(r"cam\d_fx", label)})
+    if len(numbers) != _PAIR:
+        raise InputError(f"{path} is no .caldat: it should hold Cam0_Fx and Cam1_Fx, each with a number.")
+    if given.size is None:
+        raise InputError(f"{path} does not state how large the pictures are. Give it: `size='1280x960'`.")
+    t = np.array([_number(values, label, path) for label in _SHIFT])
+    angles = [_number(values, label, path) for label in _TURN]
+    poses = [np.eye(4), pose(from_fixed_angles_deg(angles), t)]
+    records = []
+    for camera, T in zip(numbers, poses, strict=True):
+        one = {name: _number(values, f"Cam{camera}_{name}", path)
+               for name in ("Fx", "Fy", "Cx", "Cy", "Fs", *_COEFFICIENTS)}  # fmt: skip
+        if one["Fs"] != 0.0:
+            raise InputError(f"{path}: camera {camera} has a skew, which labcal's cameras do not have.")
+        lens = perspective_lens([one[name] for name in _COEFFICIENTS])
+        intrinsics = [one[name] for name in ("Fx", "Fy", "Cx", "Cy")]
+        records.append(camera_record(intrinsics, lens, T, given.size, path))
+    return ReadRig(rig_of([f"cam{number}" for number in numbers], records), (_ORIGIN,))
+
+
+def write_matchid(rig: Rig, _suffix: str) -> RigTexts:
+    """Return one file of a pair; the first camera is the world.
+
+    Raises
+    ------
+    InputError
+        MatchID has no such lens, or it is no pair.
+    """
+    if len(rig.cameras) != _PAIR:
+        names = ",".join(list(rig.cameras)[:_PAIR])
+        raise InputError(
+            f"A .caldat of MatchID holds two cameras, and this rig has {len(rig.cameras)}. Choose two: "
+            f"`only='{names}'`."
+        )
+    (_, T), notes = poses_from_first(rig)
+    lines = []
+    for number, (name, record) in enumerate(rig.cameras.items()):
+        held = dict(
+            zip(_COEFFICIENTS, held_coefficients(name, record, len(_COEFFICIENTS), _HOLDER), strict=True)
+        )
+        (fx, _, cx), (_, fy, cy), _ = record.K
+        labels = {"Fx [pixels]": fx, "Fy [pixels]": fy, "Fs [pixels]": 0.0}
+        labels |= {name: held[name] for name in sorted(held)} | {"Cx [pixels]": cx, "Cy [pixels]": cy}
+        lines += [f"Cam{number}_{label};{number_text(value)}" for label, value in labels.items()]
+    lines += [f"{label} [mm];{number_text(value)}" for label, value in zip(_SHIFT, T[:3, 3], strict=True)]
+    angles = fixed_angles_deg(T[:3, :3])
+    lines += [f"{label} [deg];{number_text(value)}" for label, value in zip(_TURN, angles, strict=True)]
+    sizes = " and ".join(f"{one.size[0]}x{one.size[1]}" for one in rig.cameras.values())
+    lost = (
+        f"A .caldat states neither the names of the cameras ({', '.join(rig.cameras)}) nor the size of the "
+        f"pictures ({sizes})."
+    )
+    return RigTexts((OutputText("", "\n".join(lines) + "\n"),), (*notes, lost, _ORIGIN))
+
+
+def _values(source: SourceText) -> dict[str, str]:
+    """Return what stands behind each label, which is without its unit, blanks and capital letters."""
+    values: dict[str, str] = {}
+    for line in source.text.splitlines():
+        if not line.strip() or line.startswith("#"):
+            continue
+        label, separator, value = line.partition(";")
+        name = re.sub(r"\[[^\]]*\]|\s", "", label).lower()
+        if not separator or name in values:
+            what = "occurs twice" if separator else "should be a label, ';' and a number"
+            raise InputError(f"{source.path}: '{line.strip():.60}' {what}.")
+        values[name] = value.strip()
+    return values
+
+
+def _number(values: Mapping[str, str], label: str, path: Path) -> float:
+    """Return the number behind a label."""
+    return finite_number(values.get(label.replace(" ", "").lower()), label, path)
+
+
+MATCHID = RigFormat(
+    "matchid",
+    (".caldat",),
+    Home.FILE,
+    2**16,
+    recognises,
+    read_matchid,
+    write_matchid,
+    TEXT_COMMENT,
+    options=("unit", "size"),
+)
