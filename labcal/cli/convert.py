@@ -2,14 +2,18 @@
 
 from argparse import ArgumentTypeError, Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.wording import counted
 
+if TYPE_CHECKING:
+    from labcal.pipeline import ConvertSettings
+
 _MOST_DIGITS = 9
-_FORMATS = "labcal, opencv, mrcal, kalibr, ros, colmap, dice"
+_FORMATS = "labcal, opencv, mrcal, kalibr, ros, colmap, colmap-binary, dice, anipose, matlab, matchid"
 _PIXEL_FORMATS = "colmap-tracks, dlc, dice-subsets, columns"
 
 
@@ -19,18 +23,27 @@ def add_parser(commands: CommandGroup) -> None:
         "convert",
         run,
         "Convert cameras (rig.json) and detections (detections.csv) from and to the files of OpenCV, mrcal, "
-        "Kalibr, ROS, COLMAP and DICe, and make pixels.csv from tables of pixels. "
+        "Kalibr, ROS, COLMAP, DICe, aniposelib, MATLAB and MatchID, and make pixels.csv from tables of "
+        "pixels. "
         "docs/reference/formats.md lists what each holds.",
         example="labcal convert rig.json rig.cameramodel\n"
         "  labcal convert rig-left.cameramodel rig-right.cameramodel rig.json\n"
         "  labcal convert rig.json stereo.yml --to opencv\n"
         "  labcal convert detections.csv corners.vnl --target rings-14x10\n"
-        "  labcal convert left.csv right.csv pixels.csv --from dlc",
+        "  labcal convert left.csv right.csv pixels.csv --from dlc\n"
+        "  labcal convert --check stereo.yml",
     )
     parser.add_argument(
         "inputs", nargs="+", type=Path, metavar="IN", help="a file, one a camera, or a folder"
     )
-    parser.add_argument("output", type=Path, metavar="OUT", help="file to write; of COLMAP, a folder")
+    parser.add_argument(
+        "output", nargs="?", type=Path, metavar="OUT", help="file to write; of COLMAP, a folder"
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="write nothing: print what is understood of cameras, as unit, baseline, lens and field of view",
+    )
     parser.add_argument("--force", action="store_true", help="replace what labcal made there")
     parser.add_argument(
         "--from",
@@ -110,10 +123,20 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Convert, and report what the files do not state as the original did."""
     from dataclasses import fields
 
+    from labcal.errors import InputError
     from labcal.pipeline import ConvertSettings, convert
 
     settings = ConvertSettings(**{one.name: getattr(arguments, one.name) for one in fields(ConvertSettings)})
-    result = convert(arguments.inputs, arguments.output, settings, force=arguments.force)
+    # Of one path or more, argparse gives all to the inputs.
+    paths = [*arguments.inputs, *([] if arguments.output is None else [arguments.output])]
+    if arguments.check:
+        return _check(paths, settings, session)
+    if len(paths) == 1:
+        raise InputError(
+            f"Give OUT, too: 'labcal convert {paths[0]} OUT'; or ask what is understood of it: 'labcal "
+            f"convert --check {paths[0]}'."
+        )
+    result = convert(paths[:-1], paths[-1], settings, force=arguments.force)
     for note in result.notes:
         session.warn(note)
     if result.unit is not None:
@@ -124,3 +147,21 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     of = counted(len(result.cameras), "camera") if result.points is None else counted(result.points, "point")
     session.emit(result, f"{', '.join(result.files)}: {of} ({', '.join(result.cameras)}), {result.wanted}.")
     return ExitStatus.PARTIAL if result.inconsistent else ExitStatus.DONE
+
+
+def _check(paths: list[Path], settings: "ConvertSettings", session: Session) -> ExitStatus:
+    """Print what is understood of cameras."""
+    from labcal.cameras.interop.understanding import described
+    from labcal.pipeline import understand
+
+    found = understand(paths, settings)
+    for note in found.notes:
+        session.warn(note)
+    apart = "one camera"
+    if found.baseline_mm is not None:
+        apart = f"the first two cameras are {found.baseline_mm:.6g} mm apart"
+    lines = [f"format {found.source}; lengths were taken for {found.unit}: {apart}"]
+    for name, camera in found.cameras.items():
+        lines += [name, *(f"  {label:<20} {text}" for label, text in described(camera))]
+    session.emit(found, "\n".join(lines))
+    return ExitStatus.DONE

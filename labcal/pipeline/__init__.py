@@ -25,7 +25,7 @@ from labcal.pipeline.held_out import evaluate_held_out
 from labcal.pipeline.live_capture import capture_live
 from labcal.pipeline.marks import find_marks
 from labcal.pipeline.named_points import measure
-from labcal.pipeline.other_programs import convert, undistort
+from labcal.pipeline.other_programs import convert, understand, undistort
 from labcal.pipeline.reconstruction import reconstruct
 from labcal.pipeline.rehearsal import rehearse
 from labcal.pipeline.rendering import render
@@ -117,6 +117,7 @@ __all__ = [
     "reproduce",
     "training_of",
     "twin",
+    "understand",
     "undistort",
     "write_mark_overlays",
     "write_overlays",

@@ -11,6 +11,7 @@ from labcal.run.progress import Progress, progress_of
 
 if TYPE_CHECKING:
     from labcal.cameras.interop.conversion import Conversion, ConvertSettings
+    from labcal.cameras.interop.understanding import Understood
     from labcal.correspond.picture_set import AnyPictures
     from labcal.correspond.undistortion import Undistorted, UndistortSettings
 
@@ -72,6 +73,45 @@ def convert(
         return convert_pixels(paths, place, settings, paths_read(paths), force=force)
     converted = convert_detections if is_of_detections([*paths, place]) else convert_cameras
     return converted(paths, place, settings, paths_read([*paths, settings.target]), force=force)
+
+
+def understand(
+    inputs: AnyPath | Sequence[AnyPath], settings: "ConvertSettings | None" = None
+) -> "Understood":
+    """Read files of cameras, and return what was understood of them: unit, baseline, lens, field of view.
+
+    Parameters
+    ----------
+    inputs : path or sequence of paths
+        A file, one a camera, or a folder; of any format of :func:`convert`.
+    settings : ConvertSettings, optional
+        What the files do not state.
+
+    Returns
+    -------
+    Understood
+        The cameras, with the corners of their pictures undistorted, and notes.
+
+    Raises
+    ------
+    InputError
+        The files cannot be read, or a setting would be dropped.
+
+    Examples
+    --------
+    >>> from labcal import examples, pipeline
+    >>> examples.rig().save("rig.json")
+    >>> found = pipeline.understand("rig.json")
+    >>> found.source, found.unit, round(found.baseline_mm, 3), list(found.cameras)
+    ('labcal', 'mm', 200.0, ['left', 'right'])
+    """
+    from labcal.cameras.interop.conversion import ConvertSettings
+    from labcal.cameras.interop.understanding import understood_cameras
+
+    given = [inputs] if isinstance(inputs, str) or not isinstance(inputs, Sequence) else inputs
+    if not given:
+        raise InputError("No file is given. Give `inputs`: a file, one a camera, or a folder.")
+    return understood_cameras([as_path(one) for one in given], settings_of(settings, ConvertSettings))
 
 
 def undistort(

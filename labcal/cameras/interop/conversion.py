@@ -16,6 +16,7 @@ from labcal.cameras.interop.rig_files import (
     rig_outputs,
     write_rig_files,
 )
+from labcal.cameras.principal_point import principal_point_note
 from labcal.cameras.rig import contradiction_note
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path, as_text
@@ -162,11 +163,9 @@ def convert_cameras(
         The output may not be written.
     """
     paths, output = [as_path(one) for one in inputs], as_path(output)
-    settings.refuse(("target", "cameras"), "goes with detections (.csv, corners.vnl), not with cameras")
-    settings.refuse(("columns", "likelihood"), "goes with tables of pixels, not with cameras")
     to_format = settings.to_format
     wanted = format_by_name(to_format) if to_format else format_to_write(output)
-    given = ReadOptions(settings.picture_size, _unit(settings.unit), settings.lens, settings.keys)
+    given = read_options(settings)
     source, found = read_rig_files(paths, settings.from_format, given)
     rig = chosen_cameras(found.rig, list(settings.only)) if settings.only else found.rig
     texts = wanted.write(rig, output.suffix)
@@ -176,7 +175,9 @@ def convert_cameras(
     contradiction = contradiction_note(rig)
     if contradiction is not None:
         notes.append(contradiction)
-    notes += [note for name in rig.cameras if (note := blind_pixels(name, rig.camera(name))) is not None]
+    cameras = {name: rig.camera(name) for name in rig.cameras}
+    told = [note(name, one) for name, one in cameras.items() for note in (principal_point_note, blind_pixels)]
+    notes += [note for note in told if note is not None]
     return Conversion(
         source=source.name,
         wanted=wanted.name,
@@ -188,6 +189,19 @@ def convert_cameras(
         notes=notes,
         inconsistent=[] if rig.calibration is None else list(rig.calibration.inconsistent),
     )
+
+
+def read_options(settings: ConvertSettings) -> ReadOptions:
+    """Return what settings state of files of cameras.
+
+    Raises
+    ------
+    InputError
+        A setting goes with other files.
+    """
+    settings.refuse(("target", "cameras"), "goes with detections (.csv, corners.vnl), not with cameras")
+    settings.refuse(("columns", "likelihood"), "goes with tables of pixels, not with cameras")
+    return ReadOptions(settings.picture_size, _unit(settings.unit), settings.lens, settings.keys)
 
 
 def _picture_size(given: object) -> tuple[int, int]:

@@ -8,7 +8,7 @@ import struct
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Union
+from typing import Any
 
 import numpy as np
 
@@ -30,15 +30,16 @@ _MOST_DEEP, _MOST_FIELDS = 20, 1000
 _COMPLEX = 0x0800
 _OF_A_NAME = 32
 
-Value = Union[np.ndarray, str, "Unread", Mapping[str, "Value"]]
-"""An array of numbers, a text, a struct by its fields, or what is not read."""
-
 
 class Unread:
     """A value of a class that is not read."""
 
     def __init__(self, kind: str) -> None:
         self.kind = kind
+
+
+Value = np.ndarray | str | Unread | Mapping[str, Any]
+"""An array of numbers, a text, what is not read, or a struct: such values by their fields."""
 
 
 class _Elements:

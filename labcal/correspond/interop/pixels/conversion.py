@@ -13,7 +13,7 @@ from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FileOutput, claim_outputs
 
-_FOREIGN = ("to_format", "only", "target", "size", "unit", "lens")
+_FOREIGN = ("to_format", "only", "target", "size", "unit", "lens", "key")
 
 
 def is_of_pixels(settings: ConvertSettings) -> bool:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from labcal.cameras.interop.exchange import Home
 from labcal.cameras.interop.registry import FORMATS, format_to_write
 from labcal.cameras.interop.rig_files import read_rig_files
 from labcal.cameras.interop.xml_tree import read_xml_tree
@@ -77,8 +78,10 @@ def test_a_truncated_file_is_refused(tmp_path: Path, make_rig: MakeRig, name: st
     chosen = FORMATS[name]
     paths = []
     for file in chosen.write(make_rig("brown-k1k2"), chosen.suffixes[0]).files:
-        path = tmp_path / (file.label if name == "colmap" else f"{file.label or 'rig'}{chosen.suffixes[0]}")
-        path.write_text(file.text[: int(share * len(file.text.rstrip()))])
+        in_folder = chosen.home is Home.FOLDER
+        path = tmp_path / (file.label if in_folder else f"{file.label or 'rig'}{chosen.suffixes[0]}")
+        content = file.text.rstrip().encode() if isinstance(file.text, str) else file.text
+        path.write_bytes(content[: int(share * len(content))])
         paths.append(path)
     with pytest.raises(InputError):
         read_rig_files(paths, name)

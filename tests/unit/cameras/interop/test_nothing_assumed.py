@@ -12,7 +12,7 @@ import pytest
 from labcal.cameras.interop.exchange import NOTHING_GIVEN, Home, ReadOptions, ReadRig, Unit
 from labcal.cameras.interop.labcal_rig import LABCAL
 from labcal.cameras.interop.registry import FORMATS, format_to_write
-from labcal.cameras.interop.rig_files import baseline_mm, read_rig_files, read_unit, write_rig_files
+from labcal.cameras.interop.rig_files import baseline_mm, read_rig_files, write_rig_files
 from labcal.cameras.rig import Rig
 from labcal.cli import main
 from labcal.errors import InputError
@@ -105,9 +105,10 @@ def test_the_unit_of_every_format_can_be_named(name: str, tmp_path: Path, make_r
     assert meant is not None
     for unit in (None, *Unit):
         given = ReadOptions(unit=unit)
-        found = read_rig_files(paths, name, given)[1].rig
+        read_back = read_rig_files(paths, name, given)[1]
+        found = read_back.rig
         scale = 1.0 if unit is None else unit.mm / chosen.unit.mm
-        assert read_unit(chosen, given) is (unit or chosen.unit)
+        assert read_back.unit is (unit or chosen.unit)
         assert baseline_mm(found) == pytest.approx(meant * scale, rel=1e-12)
         centre = found.camera(next(iter(found.cameras))).centre
         np.testing.assert_allclose(
