@@ -165,7 +165,9 @@ def _content(source: SourceText) -> dict[str, Any]:
     """Return what a file holds, with the keys of camera_info files; of several alike, the first one."""
     texts = re.split(r"^---[ \t\r]*$", source.text, flags=re.MULTILINE)
     documents = [text for text in texts if re.search(r"^[^#%\s]", text, re.MULTILINE)] or [source.text]
-    contents = [_document(text, source.path) for text in documents]
+    # The last message that `ros2 topic echo` prints may be cut off.
+    whole = [text for text in documents if _is_message(text)] or documents
+    contents = [_document(text, source.path) for text in whole]
     if any(content != contents[0] for content in contents):
         raise InputError(
             f"{source.path} holds {len(contents)} documents that state different cameras. Put each into a "

@@ -154,7 +154,7 @@ def test_simple_models_of_colmap_and_lines_of_points(tmp_path: Path) -> None:
     [
         ("1 FOV 640 480 1 2 3 4 5", "1 1 0 0 0 0 0 0 1 a.png\n\n", "model FOV has no counterpart"),
         ("1 PINHOLE 640 480 1 2 3", "1 1 0 0 0 0 0 0 1 a.png\n\n", "should hold 4 numbers"),
-        ("1 PINHOLE 640", "1 1 0 0 0 0 0 0 1 a.png\n\n", "no line of a camera"),
+        ("1 PINHOLE 640", "1 1 0 0 0 0 0 0 1 a.png\n\n", "ends too early"),
         (
             "1 PINHOLE 640 480 9 9 9 9\n2 PINHOLE 640 480 9 9 9 9",
             "1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 1 b.png\n\n3 1 0 0 0 0 0 0 2 c.png\n\n",

@@ -1,6 +1,7 @@
 """What files of other systems do not say is asked for or told; it is never settled in silence."""
 
 import json
+import struct
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -104,7 +105,11 @@ def test_the_unit_of_every_format_can_be_named(name: str, tmp_path: Path, make_r
     meant = baseline_mm(rig)
     assert meant is not None
     for unit in (None, *Unit):
-        given = ReadOptions(unit=unit)
+        given = ReadOptions(unit=unit, size=(640, 480) if name == "matchid" else None)
+        if name == "anipose" and unit is Unit.METRES:
+            with pytest.raises(InputError, match="state themselves that lengths are in mm"):
+                read_rig_files(paths, name, given)
+            continue
         read_back = read_rig_files(paths, name, given)[1]
         found = read_back.rig
         scale = 1.0 if unit is None else unit.mm / chosen.unit.mm
@@ -112,7 +117,7 @@ def test_the_unit_of_every_format_can_be_named(name: str, tmp_path: Path, make_r
         assert baseline_mm(found) == pytest.approx(meant * scale, rel=1e-12)
         centre = found.camera(next(iter(found.cameras))).centre
         np.testing.assert_allclose(
-            found.camera(list(found.cameras)[1]).K, rig.camera("right-2").K, rtol=1e-15
+            found.camera(list(found.cameras)[1]).K, rig.camera("right-2").K, rtol=1e-14
         )
         np.testing.assert_allclose(centre, 0.0, atol=1e-9)
 
@@ -148,12 +153,18 @@ def test_what_does_not_apply_to_a_format_is_refused(name: str, tmp_path: Path, m
 def test_files_of_intrinsics_and_extrinsics_are_one_pair(tmp_path: Path) -> None:
     intrinsics = storage(tmp_path / "intrinsics.yml", M1=K1, D1=D1, M2=K2, D2=D2)
     extrinsics = storage(tmp_path / "extrinsics.yml", R=R, T=T, Q=np.eye(4))
-    for paths in ((intrinsics, extrinsics), (extrinsics, intrinsics)):
+    for paths in ((intrinsics, extrinsics), (extrinsics, intrinsics), (intrinsics,), (extrinsics,)):
         rig = read(*paths, size=SIZE)
         assert [record.K[0][0] for record in rig.cameras.values()] == [1210.0, 1195.0]
         assert baseline_mm(rig) == pytest.approx(APART_MM, rel=1e-12)
-    with pytest.raises(InputError, match=r"labcal convert intrinsics\.yml extrinsics\.yml"):
+    _, found = read_rig_files([intrinsics], None, ReadOptions(size=SIZE))
+    assert f"R and T are read from {extrinsics}" in found.notes[0]
+    storage(tmp_path / "other.yml", R=R, T=2.0 * T)
+    with pytest.raises(InputError, match=r"could be extrinsics\.yml or other\.yml"):
         read(intrinsics, size=SIZE)
+    (alone := tmp_path / "alone").mkdir()
+    with pytest.raises(InputError, match=r"labcal convert intrinsics\.yml extrinsics\.yml"):
+        read(storage(alone / "intrinsics.yml", M1=K1, D1=D1, M2=K2, D2=D2), size=SIZE)
 
 
 def test_usual_keys_of_other_programs_are_read(tmp_path: Path) -> None:
@@ -174,7 +185,7 @@ def test_usual_keys_of_other_programs_are_read(tmp_path: Path) -> None:
     )  # fmt: skip
     assert [record.K[0][0] for record in read(sides, size=SIZE).cameras.values()] == [1210.0, 1195.0]
     strange = storage(tmp_path / "strange.yml", camera_matrix=K1, bending=D1)
-    with pytest.raises(InputError, match=r"Its keys are camera_matrix, bending; rename"):
+    with pytest.raises(InputError, match=r"Its keys are camera_matrix, bending; name those of a pair"):
         read(strange, size=SIZE)
 
 
@@ -231,10 +242,14 @@ def test_the_lens_of_a_colmap_camera_with_many_images(tmp_path: Path) -> None:
     assert record.K[0][2] == 655.5
     binary = tmp_path / "binary"
     binary.mkdir()
-    (binary / "cameras.bin").write_bytes(b"\0\1")
-    for path in (binary, binary / "cameras.bin"):
-        with pytest.raises(InputError, match=r"colmap model_converter --input_path .*binary"):
-            read_rig_files([path], None)
+    entry = struct.pack("<QIiQQ8d", 1, 1, 4, *SIZE, 1210.0, 1208.0, 656.0, 470.75, -0.21, 0.08, 6e-4, -4e-4)
+    (binary / "cameras.bin").write_bytes(entry)
+    for path in (binary, binary / "cameras.bin", tmp_path / "cameras.txt"):
+        (same,) = read_rig_files([path], None)[1].rig.cameras.values()
+        assert same == record
+    (binary / "cameras.bin").write_bytes(entry[:-1])
+    with pytest.raises(InputError, match="ends too early"):
+        read_rig_files([binary], "colmap-binary")
 
 
 def test_a_second_format_whose_files_end_in_json(
