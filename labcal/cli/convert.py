@@ -49,7 +49,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--from",
         dest="from_format",
         metavar="FORMAT",
-        help=f"{_FORMATS}; recognised by the content if left out; of tables of pixels: {_PIXEL_FORMATS}",
+        help=f"{_FORMATS}; if left out, the content tells; of tables of pixels: {_PIXEL_FORMATS}",
     )
     parser.add_argument(
         "--to",

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from labcal.bounds import LEAST_SHARE_OF_PITCH
 from labcal.cameras.interop.conversion import Conversion, ConvertSettings
 from labcal.correspond.detections_csv import KIND as TABLE_KIND
 from labcal.correspond.detections_csv import detections_csv, read_detections
@@ -135,13 +136,19 @@ def _converted(
 def _taken_for_centroids(target: AnyTarget) -> list[str]:
     """Return a note where dots are so large that the centroids of their images are off their centres."""
     largest = float(target.outer_diameters_mm().max())
-    if largest < _SMALL_MM:
+    if largest <= max(_SMALL_MM, _smallest_mm(target)):
         return []
     note = (
         f"x and y are taken for centroids of the dots of '{target.name}', {largest:g} mm wide. If they are "
-        "corners of a chessboard, name a target with a dot_diameter_mm of 0.001."
+        f"corners of a chessboard, name a target with a dot_diameter_mm of {_smallest_mm(target):.3g}."
     )
     return [note]
+
+
+def _smallest_mm(target: AnyTarget) -> float:
+    """Return the smallest dot that a target with these pitches may have, mm."""
+    places = target.points().reshape(target.rows, target.cols, 3)
+    return LEAST_SHARE_OF_PITCH * float(max(np.ptp(places[0, :2, 0]), np.ptp(places[:2, 0, 1])))
 
 
 def _require_points(count: int, path: Path) -> None:

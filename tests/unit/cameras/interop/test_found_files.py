@@ -91,7 +91,8 @@ def toml(fisheye: str = "", scale: float = 1.0) -> str:
     )):  # fmt: skip
         rows.append(
             f'[cam_{number}]\nname = "c{number}"\nsize = [ 1024.0, 768.0,]\nmatrix = {K.tolist()}\n'
-            f"distortions = {list(D)}\nrotation = {rotation.tolist()}\ntranslation = {t.tolist()}\n{fisheye}\n"
+            f"distortions = {list(D)}\nrotation = {rotation.tolist()}\n"
+            f"translation = {t.tolist()}\n{fisheye}\n"
         )
     return "\n".join([*rows, "[metadata]\nadjusted = false\nerror = 0.3\n"])
 
@@ -218,3 +219,54 @@ def test_a_principal_point_outside_of_the_picture_is_told(tmp_path: Path) -> Non
     camera = matlab_camera(K1, D1) | {"ImageSize": [300, 400]}
     found = pipeline.understand(mat(tmp_path / "a.mat", {"cameraParams": camera}))
     assert "the principal point of a, (511.2, 380.0) px, lies outside" in found.notes[0]
+
+
+def test_a_camera_that_states_its_place_the_other_way_round(tmp_path: Path) -> None:
+    """T_imu_cam is the inverse of T_cam_imu, and either may be there."""
+    T0, T1 = np.eye(4), np.eye(4)
+    T0[:3, :3], T0[:3, 3] = cv2.Rodrigues(np.array([0.3, -1.2, 0.4]))[0], [0.05, 0.01, -0.02]
+    T1[:3, :3], T1[:3, 3] = R, T / 1000.0
+    places = ("T_cam_imu", T0), ("T_imu_cam", np.linalg.inv(T1 @ T0))
+    text = ""
+    for number, (key, pose) in enumerate(places):
+        rows = "".join(f"  - {row}\n" for row in pose.tolist())
+        text += (
+            f"cam{number}:\n  {key}:\n{rows}  camera_model: pinhole\n  distortion_model: equidistant\n"
+            "  distortion_coeffs: [0.01, -0.02, 0.003, 0]\n  intrinsics: [500, 501, 320, 240]\n"
+            "  resolution: [640, 480]\n"
+        )
+    (tmp_path / "a.yaml").write_text(text)
+    rig = read(tmp_path / "a.yaml")
+    assert baseline_mm(rig) == pytest.approx(np.linalg.norm(T), rel=1e-9)
+    np.testing.assert_allclose(rig.camera("cam1").T_cam_world[:3, :3], R, atol=1e-9)
+
+
+def test_several_documents_of_ros(tmp_path: Path) -> None:
+    K, P = K1.ravel().tolist(), [1000.5, 0.0, 511.25, 0.0, 0.0, 998.5, 380.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+    message = (
+        "header:\n  stamp:\n    sec: {}\n  frame_id: front\nheight: 768\nwidth: 1024\n"
+        f"distortion_model: plumb_bob\nd: {list(D1)}\nk: {K}\nr: {np.eye(3).ravel().tolist()}\np: {P}\n"
+    )
+    path = tmp_path / "echo.yaml"
+    path.write_text(message.format(1) + "---\n" + message.format(2) + "---\n")
+    (record,) = read(path).cameras.values()
+    assert (record.K[0][0], record.dist) == (1000.5, D1)
+    path.write_text(message.format(1) + "---\n" + message.format(2).replace("1000.5", "1001.5"))
+    with pytest.raises(InputError, match="2 documents that state different cameras"):
+        read(path)
+
+
+@pytest.mark.parametrize("word", ["0700.5", "1_000", "0x3E8", "17:00"])
+def test_numbers_are_decimal(tmp_path: Path, word: str) -> None:
+    """YAML 1.1 takes some of these for numbers that nobody wrote."""
+    matrix = f"  rows: 3\n  cols: 3\n  dt: d\n  data: [{word}, 0, 511, 0, 998, 380, 0, 0, 1]\n"
+    path = tmp_path / "a.yml"
+    path.write_text(
+        f"%YAML:1.0\n---\nimage_width: 1024\nimage_height: 768\ncamera_matrix: !!opencv-matrix\n{matrix}"
+        "distortion_coefficients: [0, 0, 0, 0, 0]\n"
+    )
+    if word == "0700.5":
+        assert read(path).camera("a").K[0, 0] == 700.5
+        return
+    with pytest.raises(InputError, match="should be a finite number"):
+        read(path)

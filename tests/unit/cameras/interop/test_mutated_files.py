@@ -1,7 +1,6 @@
 """Mutated files of every format: refused by labcal's own errors, or read to numbers that stand in them."""
 
 import re
-import struct
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -68,14 +67,13 @@ def mutants(data: bytes, rng: np.random.Generator, count: int, *, binary: bool) 
 def values_in(data: bytes, *, binary: bool) -> np.ndarray:
     """All numbers that stand in a file, sorted."""
     if binary:
-        offsets = range(len(data) - 7)
-        found = [struct.unpack_from("<d", data, at)[0] for at in offsets]
-        found += [float(one) for at in range(len(data) - 3) for one in struct.unpack_from("<I", data, at)]
-        values = np.array(found)
+        found = [np.frombuffer(data[at:][: (len(data) - at) // 8 * 8], "<f8") for at in range(8)]
+        found += [np.frombuffer(data[at:][: (len(data) - at) // 4 * 4], "<u4") for at in range(4)]
+        values = np.concatenate(found)
     else:
-        found = [float(found[0]) for found in NUMBER.finditer(data)]
-        found += [float(int(one[0], 0)) for one in LITERAL.finditer(data)]
-        values = np.array(found)
+        numbers = [float(found[0]) for found in NUMBER.finditer(data)]
+        numbers += [float(int(one[0], 0)) for one in LITERAL.finditer(data)]
+        values = np.array(numbers)
     return np.unique(values[np.isfinite(values)])
 
 
