@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from labcal.cameras.interop.exchange import Home
 from labcal.cameras.interop.registry import FORMATS
 from labcal.estimators.registry import method_names
 
@@ -27,11 +28,12 @@ class Job:
 def _formats() -> list[Job]:
     jobs = []
     for name, made in FORMATS.items():
-        if name == "colmap":
+        if made.home is Home.FOLDER:
             jobs += [
-                Job(f"{name} {file}", f"formats/{name}/{file}", "text",
-                    ("convert", "{seeds}/formats/colmap", "out.json", "--to", "labcal"), "out.json")
-                for file in ("cameras.txt", "images.txt")
+                Job(f"{name} {file}{made.suffixes[0]}", f"formats/{name}/{file}{made.suffixes[0]}",
+                    "bytes" if made.binary else "text",
+                    ("convert", f"{{seeds}}/formats/{name}", "out.json", "--to", "labcal"), "out.json")
+                for file in ("cameras", "images", "rigs", "frames")
             ]  # fmt: skip
             continue
         pair = name in {"mrcal", "ros"}
@@ -39,7 +41,10 @@ def _formats() -> list[Job]:
         file = f"formats/{name}/rig{'-left' if pair else ''}{ending}"
         inputs = ("{file}", f"{{seeds}}/formats/{name}/rig-right{ending}") if pair else ("{file}",)
         kind = "json" if name == "labcal" else "yaml" if name in {"kalibr", "ros"} else "text"
-        jobs.append(Job(name, file, kind, ("convert", *inputs, "out.json", "--to", "labcal"), "out.json"))
+        kind = "bytes" if made.binary else kind
+        size = ("--size", "640x480") if name == "matchid" else ()
+        words = ("convert", *inputs, "out.json", "--to", "labcal", *size)
+        jobs.append(Job(name, file, kind, words, "out.json"))
         if kind == "yaml":
             jobs.append(Job(f"{name} text", file, "text", jobs[-1].argv, "out.json", 1))
     return jobs

@@ -8,6 +8,7 @@ import numpy as np
 
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images
+from labcal.cameras.interop.exchange import Home
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.interop.rig_files import write_rig_files
 from labcal.cameras.rig import Rig
@@ -259,7 +260,7 @@ def make_seeds(home: Path) -> Path:
     for name, made in FORMATS.items():
         folder = home / "formats" / name
         folder.mkdir(parents=True)
-        path = folder if name == "colmap" else folder / f"rig{made.suffixes[0]}"
+        path = folder if made.home is Home.FOLDER else folder / f"rig{made.suffixes[0]}"
         write_rig_files(path, made, made.write(rig, made.suffixes[0]), force=True)
     opencv = FORMATS["opencv"]
     for ending in (".xml",):

@@ -88,21 +88,26 @@ def write_matchid(rig: Rig, _suffix: str) -> RigTexts:
     InputError
         MatchID has no such lens, or it is no pair.
     """
+    held = {
+        name: held_coefficients(name, record, len(_COEFFICIENTS), _HOLDER)
+        for name, record in rig.cameras.items()
+    }
     if len(rig.cameras) != _PAIR:
         names = ",".join(list(rig.cameras)[:_PAIR])
+        mend = f"Choose two: `only='{names}'`." if len(rig.cameras) > _PAIR else "Choose another format."
         raise InputError(
-            f"A .caldat of MatchID holds two cameras, and this rig has {len(rig.cameras)}. Choose two: "
-            f"`only='{names}'`."
+            f"A .caldat of MatchID holds two cameras, and this rig has {len(rig.cameras)}. {mend}"
         )
     (_, T), notes = poses_from_first(rig)
     lines = []
     for number, (name, record) in enumerate(rig.cameras.items()):
-        held = dict(
-            zip(_COEFFICIENTS, held_coefficients(name, record, len(_COEFFICIENTS), _HOLDER), strict=True)
-        )
+        coefficients = dict(zip(_COEFFICIENTS, held[name], strict=True))
         (fx, _, cx), (_, fy, cy), _ = record.K
         labels = {"Fx [pixels]": fx, "Fy [pixels]": fy, "Fs [pixels]": 0.0}
-        labels |= {name: held[name] for name in sorted(held)} | {"Cx [pixels]": cx, "Cy [pixels]": cy}
+        labels |= {label: coefficients[label] for label in sorted(coefficients)} | {
+            "Cx [pixels]": cx,
+            "Cy [pixels]": cy,
+        }
         lines += [f"Cam{number}_{label};{number_text(value)}" for label, value in labels.items()]
     lines += [f"{label} [mm];{number_text(value)}" for label, value in zip(_SHIFT, T[:3, 3], strict=True)]
     angles = fixed_angles_deg(T[:3, :3])

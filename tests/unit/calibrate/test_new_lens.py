@@ -13,6 +13,7 @@ from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.calibrate.resection.resected import resect
 from labcal.cameras.camera import Camera
 from labcal.cameras.ideal import ideal_camera
+from labcal.cameras.interop.exchange import Home, ReadOptions
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.interop.rig_files import read_rig_files, write_rig_files
 from labcal.cameras.lens import LENSES
@@ -103,9 +104,11 @@ def test_formats_write_coefficients_in_opencvs_order(
     cameras = {"left": pair["left"]} if name == "kalibr" else pair
     chosen = FORMATS[name]
     texts = chosen.write(Rig.of({key: turned(one) for key, one in cameras.items()}), chosen.suffixes[0])
-    path = tmp_path / ("model" if name == "colmap" else f"rig{chosen.suffixes[0]}")
+    in_folder = chosen.home is Home.FOLDER
+    path = tmp_path / ("model" if in_folder else f"rig{chosen.suffixes[0]}")
     files = write_rig_files(path, chosen, texts, force=False)
-    _, read = read_rig_files([path] if name == "colmap" else files, name)
+    given = ReadOptions(size=(640, 480) if name == "matchid" else None)
+    _, read = read_rig_files([path] if in_folder else files, name, given)
     for found, camera in zip(read.rig.cameras.values(), cameras.values(), strict=True):
         assert found.lens == "brown5"
         np.testing.assert_array_equal(found.dist, camera.dist)

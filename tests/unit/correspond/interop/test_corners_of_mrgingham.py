@@ -34,7 +34,7 @@ def test_corners_of_mrgingham_are_those_of_the_board(tmp_path: Path) -> None:
         for j in range(-1, N):
             if (i + j) % 2:
                 continue
-            square = PITCH * (np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) + [i, j])
+            square = PITCH * (np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) + np.array([i, j]))
             q = ((projected(square, tilt) + 0.5) * SCALE - 0.5) * 16
             cv2.fillPoly(picture, [np.round(q).astype(np.int32)], 40, shift=4)
     path = tmp_path / "v1.png"
