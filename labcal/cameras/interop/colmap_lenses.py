@@ -44,7 +44,7 @@ COUNTS = {
     "FISHEYE": 4,
     "EUCM": 6,
 }
-"""How many parameters each model has; its place in this list is its number in binary files."""
+"""Number of parameters of each model; its place in this list is its number in binary files."""
 _PERSPECTIVE = {
     "SIMPLE_PINHOLE": (1, 0),
     "PINHOLE": (2, 0),

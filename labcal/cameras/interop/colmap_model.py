@@ -71,7 +71,7 @@ class ModelFrame:
 
 @dataclass(frozen=True)
 class ColmapModel:
-    """What a folder of COLMAP holds, but for points."""
+    """Content of a folder of COLMAP, but for points."""
 
     cameras: tuple[ModelCamera, ...]
     images: tuple[ModelImage, ...] = ()

@@ -176,8 +176,10 @@ def convert_cameras(
     if contradiction is not None:
         notes.append(contradiction)
     cameras = {name: rig.camera(name) for name in rig.cameras}
-    told = [note(name, one) for name, one in cameras.items() for note in (principal_point_note, blind_pixels)]
-    notes += [note for note in told if note is not None]
+    remarks = [
+        note(name, one) for name, one in cameras.items() for note in (principal_point_note, blind_pixels)
+    ]
+    notes += [note for note in remarks if note is not None]
     return Conversion(
         source=source.name,
         wanted=wanted.name,

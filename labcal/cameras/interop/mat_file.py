@@ -51,7 +51,7 @@ class _Elements:
 
     @property
     def is_done(self) -> bool:
-        """Whether all elements have been taken."""
+        """True if all elements have been taken."""
         return self._at >= len(self._data)
 
     def take(self) -> tuple[int, bytes]:

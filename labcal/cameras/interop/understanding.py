@@ -83,13 +83,15 @@ def understood_cameras(inputs: Sequence[AnyPath], settings: ConvertSettings) -> 
     source, found = read_rig_files([as_path(one) for one in inputs], settings.from_format, given)
     rig = chosen_cameras(found.rig, list(settings.only)) if settings.only else found.rig
     cameras = {name: rig.camera(name) for name in rig.cameras}
-    told = [note(name, one) for name, one in cameras.items() for note in (principal_point_note, blind_pixels)]
+    remarks = [
+        note(name, one) for name, one in cameras.items() for note in (principal_point_note, blind_pixels)
+    ]
     return Understood(
         source=source.name,
         unit=None if found.unit is None else found.unit.value,
         baseline_mm=baseline_mm(rig),
         cameras={name: _understood(camera) for name, camera in cameras.items()},
-        notes=[*found.notes, *(note for note in told if note is not None)],
+        notes=[*found.notes, *(note for note in remarks if note is not None)],
     )
 
 
