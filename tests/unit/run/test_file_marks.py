@@ -3,6 +3,7 @@
 import io
 import json
 import re
+import tomllib
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+import scipy.io
 import yaml
 from PIL import Image
 
@@ -97,20 +99,24 @@ def test_marked_drawings_are_drawings(grid: DotGrid) -> None:
     assert marked[: pdf.rindex(b"startxref")] == pdf[: pdf.rindex(b"startxref")]
 
 
-@pytest.mark.parametrize("name", [name for name in FORMATS if name not in {"labcal", "colmap"}])
+@pytest.mark.parametrize(
+    "name", [name for name in FORMATS if name not in {"labcal", "colmap", "colmap-binary"}]
+)
 @pytest.mark.parametrize("count", [1, 2])
 def test_marked_cameras_are_read_by_others_and_come_back(name: str, count: int, tmp_path: Path) -> None:
     one = FORMATS[name]
+    if name == "matchid" and count == 1:
+        return  # it holds pairs only
     first = bench_camera()
     T = first.T_cam_world.copy()
     T[0, 3] -= 100.0
     rig = Rig.of(dict(zip(("left", "right")[:count], (first, replace(first, T_cam_world=T)), strict=False)))
     for suffix in one.suffixes:
         for text in (file.text for file in one.write(rig, suffix).files):
-            content = text.encode()
+            content = text if isinstance(text, bytes) else text.encode()
             marked = one.mark.put(content)
             assert one.mark.judge(marked) is Judgement.AS_WRITTEN
-            assert one.recognises(marked.decode())
+            assert one.recognises(marked.decode("latin-1"))
             told, meant = (read(name, suffix, file, tmp_path) for file in (marked, content))
             for one_told, one_meant in zip(told, meant, strict=True):
                 np.testing.assert_array_equal(one_told, one_meant)
@@ -128,6 +134,13 @@ def read(name: str, suffix: str, content: bytes, folder: Path) -> list[object]:
         return list(found)
     if suffix == ".xml":
         return [ET.tostring(ET.fromstring(content))]  # noqa: S314 - our own
+    others = {
+        "matlab": lambda: [str(scipy.io.loadmat(io.BytesIO(content), simplify_cells=True))],
+        "anipose": lambda: [tomllib.loads(content.decode())],
+        "matchid": lambda: [line for line in content.splitlines() if not line.startswith(b"#")],
+    }
+    if name in others:
+        return others[name]()
     if name == "mrcal":
         assert content.startswith(b"# camera: ")
         return [yaml.safe_load(content)]
