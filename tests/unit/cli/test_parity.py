@@ -141,7 +141,7 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
         "longest_mm": (labcal.plan_lengths, "longest_mm"),
     },
     "compare": {"force": (pipeline.PageOutput, "force")},
-    "convert": {},
+    "convert": {"check": (pipeline.understand, "inputs")},
     "undistort": {"cameras": CAMERAS, "output": "folder"},
     "rehearse": {"output": "folder"},
     "twin": {"cameras": CAMERAS, "dots": (DotPlaces.load, "path"), "output": "folder"},

@@ -38,7 +38,7 @@ def test_formats_are_those_of_the_registry_with_what_they_hold(capsys: Capture) 
     by_name = {one["format"]: one for one in told["formats"]}
     assert (by_name["colmap"]["folder"], by_name["ros"]["folder"]) == (True, False)
     assert (by_name["mrcal"]["unit"], by_name["dice"]["unit"]) == ("m", "mm")
-    assert by_name["opencv"]["options"] == ["--unit", "--size", "--lens"]
+    assert by_name["opencv"]["options"] == ["--unit", "--size", "--lens", "--key"]
     assert by_name["labcal"]["lenses"] == list(LENSES)
     assert "fisheye-kb4" not in by_name["dice"]["lenses"]
     assert told["detections"] == ["detections.csv", "corners.vnl"]
