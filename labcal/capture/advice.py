@@ -25,7 +25,8 @@ class Advice:
     there is one."""
     reached_mm: float | None
     """Expected 3-D error over the volume after the views so far: root mean square of the distance, mm, by the
-    calibration and by the noise of the point's own pixels; None before there is a calibration."""
+    calibration and by the noise of the point's own pixels; None before there is a calibration of enough
+    views."""
     calibration_mm: float | None
     """The calibration's share of it, mm."""
     wanted_mm: float | None

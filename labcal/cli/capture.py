@@ -47,7 +47,9 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_output(parser, "SHOOT", "folder to appear")
     parser.add_argument(
-        "--target", metavar="NAME", help="the target; a scene brings its own, and a print with a code"
+        "--target",
+        metavar="NAME",
+        help="the target; a scene brings its own, and so do a shoot that is replayed and a print with a code",
     )
     add_print_scale(parser, "it goes into shoot.json")
     parser.add_argument(
@@ -213,6 +215,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         force=arguments.force,
         guide=guide_settings(arguments),
     )
+    if arguments.guided and arguments.page:
+        session.warn("the page guides in any case, and --guided adds nothing to --page")
     ask = _asks(arguments, session)
     if arguments.guided or arguments.page:
         announce_compiling(session)
