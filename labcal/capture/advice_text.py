@@ -50,7 +50,9 @@ def _reached(advice: Advice) -> str:
         return f"{views}; no calibration yet."
     share = "" if advice.calibration_mm is None else f", {advice.calibration_mm:.3g} mm by the calibration"
     wanted = "" if advice.wanted_mm is None else f"; {advice.wanted_mm:.3g} mm asked for"
-    return f"{views}: expected 3-D error {advice.reached_mm:.3g} mm{share}{wanted}."
+    kind = "3-D error" if len(advice.sizes) > 1 else "error across the line of sight"
+    shape = "" if advice.shape_mm is None else f"; of shape and size alone {advice.shape_mm:.3g} mm"
+    return f"{views}: expected {kind} {advice.reached_mm:.3g} mm{share}{shape}{wanted}."
 
 
 def _wrapped(mark: str, text: str) -> list[str]:

@@ -163,6 +163,9 @@ class GuidedEntry:
     """The calibration's share of it."""
     wanted_mm: float | None
     usable_views: int
+    shape_mm: float | None
+    """The expected error after a rigid alignment of the points: of their shape and size; null of one
+    camera."""
 
 
 @dataclass(frozen=True)
@@ -236,7 +239,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     images = sum(len(view.images) for view in shoot.views())
     advice = captured.advice
     guided = None if advice is None else GuidedEntry(
-        advice.done, advice.words, advice.reached_mm, advice.calibration_mm, advice.wanted_mm, advice.views
+        advice.done, advice.words, advice.reached_mm, advice.calibration_mm, advice.wanted_mm, advice.views,
+        advice.shape_mm,
     )  # fmt: skip
     result = CaptureResult(
         str(arguments.output),

@@ -40,8 +40,8 @@ def capture(
         The shoot to appear. It is whole after every view; what an interrupted run left is gone on with.
     target : str or AnyTarget, optional
         The target that the pictures show, which a scene and a shoot that is replayed bring with them. Without
-        it the code of a print tells it; where there is none, the shoot names no target, and motion during a set
-        is not noticed.
+        it the code of a print tells it; where there is none, the shoot names no target, and motion during a
+        set is not noticed.
     settings : CaptureSettings, optional
         How many views, how often, which sets are refused, a stage's readings, the sources' own settings, and
         those of a guided capture.

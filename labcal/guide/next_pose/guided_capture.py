@@ -136,6 +136,7 @@ class GuidedCapture:
             views=len(self._tables),
             done=False,
             sizes=self._sizes,
+            shape_mm=None if stated is None or len(self._sizes) == 1 else _finite(stated.shape_mm),
         )
         if standing is None:
             return self._before_calibration(base)

@@ -62,8 +62,11 @@ def test_distance_place_and_turn_are_told_beside_the_pose_before() -> None:
 
 def test_distances_are_shares_of_the_last_one_until_a_calibration_knows_them() -> None:
     before = HeldBefore(held((0.0, 0.0, 0.0)), 0.15)
-    for place, words in ((400.0, "Closer, at about 65% of the distance before, in"), (600.0, "As far as before, in"),
-                         (810.0, "Farther, at about 135% of the distance before, in")):  # fmt: skip
+    for place, words in (
+        (400.0, "Closer, at about 65% of the distance before, in"),
+        (600.0, "As far as before, in"),
+        (810.0, "Farther, at about 135% of the distance before, in"),
+    ):
         told = pose_words(["left"], [CAMERA], held((0.0, 0.0, 0.0), (0.0, 0.0, place)), MIDDLE, before)
         assert told.startswith(words)
         assert " cm" not in told
