@@ -24,9 +24,9 @@ class Advice:
     """Pose that is asked for, mm, in the frame of the calibration so far (its first camera's); None before
     there is one."""
     reached_mm: float | None
-    """Expected 3-D error over the volume, in the frame of the first camera, after the views so far: root mean square of the distance, mm, by the
-    calibration and by the noise of the point's own pixels; None before there is a calibration of enough
-    views."""
+    """Expected 3-D error over the volume, in the frame of the first camera, after the views so far: root mean
+    square of the distance, mm, by the calibration and by the noise of the point's own pixels; None before
+    there is a calibration of enough views."""
     calibration_mm: float | None
     """The calibration's share of it, mm."""
     wanted_mm: float | None
