@@ -129,3 +129,10 @@ def test_options_of_a_guided_capture_need_one(labcal: Run, tmp_path: Path) -> No
     done = labcal("capture", "sim:webcam-handheld", "--wanted-mm", 0.9, "-o", tmp_path / "shoot")
     assert done.status == ExitStatus.UNUSABLE
     assert "Only guided captures have --wanted-mm. Add --guided" in done.said
+
+
+def test_a_page_guides_in_any_case_and_says_so(labcal: Run, tmp_path: Path) -> None:
+    words = ("capture", "sim:webcam-handheld", "--guided", "--page", "--on-enter", "-o", tmp_path / "shoot")
+    done = labcal(*words)  # which ends before anything is rendered
+    assert done.status == ExitStatus.UNUSABLE
+    assert "the page guides in any case" in done.said

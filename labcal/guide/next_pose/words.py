@@ -13,7 +13,7 @@ from labcal.wording import listed
 _SAME = 0.08
 """Share of the distance below which a pose is neither closer nor farther."""
 _KNOWN = 0.05
-"""Relative standard deviation of distances up to which they are told as lengths."""
+"""Relative standard deviation of distances up to which words give them as lengths."""
 _FACING_DEG = 8.0
 _THIRD = 1.0 / 3.0
 _UPRIGHT_DEG, _BACK_DEG = 30.0, 150.0
@@ -30,7 +30,7 @@ class HeldBefore:
         Mm; None where there is none.
     distance_share : float
         Relative standard deviation of distances. A calibration of few views may change them by more than a
-        person would believe, and then they are told as shares of the last one.
+        person would believe, and then words give them as shares of the last one.
     """
 
     T_world_target: Pose | None
