@@ -12,7 +12,9 @@ from labcal.guide.rehearsal.planned_rig import PlannedRig
 @pytest.mark.slow
 def test_the_error_that_is_stated_is_the_true_one_and_rests_on_four_views() -> None:
     planned = PlannedRig.of(load_rig_plan("webcams"))
-    plan, views = planned.plan, planned.views(4, 0)
+    plan = planned.plan
+    # So many views that noise by size is known well enough for dots that are larger than most of these.
+    views = planned.views(plan.shoot.views, 0)[:12]
     noise = measured_noise(drawn_pictures(planned.cameras, views, plan.target, plan.photometry, 7))
     found = [measured_guided(GuidedSet("webcams", noise, 0.02, seed)) for seed in range(3001, 3004)]
     for stated, actual in (("stated_mm", "actual_mm"), ("stated_shape_mm", "actual_shape_mm")):
