@@ -24,8 +24,9 @@ class Advice:
     """Pose that is asked for, mm, in the frame of the calibration so far (its first camera's); None before
     there is one."""
     reached_mm: float | None
-    """Expected 3-D error over the volume after the views so far: root mean square of the distance, mm, by the
-    calibration and by the noise of the point's own pixels; None before there is a calibration."""
+    """Expected 3-D error over the volume, in the frame of the first camera, after the views so far: root mean
+    square of the distance, mm, by the calibration and by the noise of the point's own pixels; None before
+    there is a calibration of enough views."""
     calibration_mm: float | None
     """The calibration's share of it, mm."""
     wanted_mm: float | None
@@ -42,6 +43,9 @@ class Advice:
     """True where the error asked for is reached."""
     sizes: Mapping[str, tuple[int, int]]
     """Width and height of the pictures by camera, px."""
+    shape_mm: float | None = None
+    """`reached_mm` after a rigid alignment of the points: the error of their shape and size, which no frame
+    of coordinates is part of; None of one camera, and before there is `reached_mm`."""
 
 
 @runtime_checkable  # so that tests can check annotations

@@ -8,6 +8,7 @@ from jaxtyping import Int
 
 from labcal.arrays import Pixels
 from labcal.capture.advice import Advice
+from labcal.capture.guide_settings import FEWEST_STATED
 
 WIDTH = 78
 """Characters of a line."""
@@ -44,10 +45,14 @@ def summary(advice: Advice) -> str:
 def _reached(advice: Advice) -> str:
     views = f"{advice.views} usable view{'' if advice.views == 1 else 's'}"
     if advice.reached_mm is None:
+        if 0 < advice.views < FEWEST_STATED:
+            return f"{views}; the expected error is stated from {FEWEST_STATED} views on."
         return f"{views}; no calibration yet."
     share = "" if advice.calibration_mm is None else f", {advice.calibration_mm:.3g} mm by the calibration"
     wanted = "" if advice.wanted_mm is None else f"; {advice.wanted_mm:.3g} mm asked for"
-    return f"{views}: expected 3-D error {advice.reached_mm:.3g} mm{share}{wanted}."
+    kind = "3-D error" if len(advice.sizes) > 1 else "error across the line of sight"
+    shape = "" if advice.shape_mm is None else f"; of shape and size alone {advice.shape_mm:.3g} mm"
+    return f"{views}: expected {kind} {advice.reached_mm:.3g} mm{share}{shape}{wanted}."
 
 
 def _wrapped(mark: str, text: str) -> list[str]:

@@ -8,6 +8,8 @@ from labcal.errors import InputError
 
 MOST_VIEWS = 40
 """Views after which a guided capture ends, where no number is given."""
+FEWEST_STATED = 4
+"""Usable views from which on an expected error is stated: residuals of fewer hardly test the lens model."""
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,9 @@ def add_parser(commands: CommandGroup) -> None:
     )
     add_output(parser, "SHOOT", "folder to appear")
     parser.add_argument(
-        "--target", metavar="NAME", help="the target; a scene brings its own, and a print with a code"
+        "--target",
+        metavar="NAME",
+        help="the target; a scene brings its own, and so do a shoot that is replayed and a print with a code",
     )
     add_print_scale(parser, "it goes into shoot.json")
     parser.add_argument(
@@ -161,6 +163,9 @@ class GuidedEntry:
     """The calibration's share of it."""
     wanted_mm: float | None
     usable_views: int
+    shape_mm: float | None
+    """The expected error after a rigid alignment of the points: of their shape and size; null of one
+    camera."""
 
 
 @dataclass(frozen=True)
@@ -213,6 +218,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         force=arguments.force,
         guide=guide_settings(arguments),
     )
+    if arguments.guided and arguments.page:
+        session.warn("the page guides in any case, and --guided adds nothing to --page")
     ask = _asks(arguments, session)
     if arguments.guided or arguments.page:
         announce_compiling(session)
@@ -232,7 +239,8 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     images = sum(len(view.images) for view in shoot.views())
     advice = captured.advice
     guided = None if advice is None else GuidedEntry(
-        advice.done, advice.words, advice.reached_mm, advice.calibration_mm, advice.wanted_mm, advice.views
+        advice.done, advice.words, advice.reached_mm, advice.calibration_mm, advice.wanted_mm, advice.views,
+        advice.shape_mm,
     )  # fmt: skip
     result = CaptureResult(
         str(arguments.output),

@@ -12,6 +12,7 @@ from labcal.run.progress import Progress, progress_of
 from labcal.targets.catalogue import AnyTarget, target_of
 
 if TYPE_CHECKING:
+    from labcal.capture.addresses import Address
     from labcal.capture.advice import Advice
     from labcal.capture.capturing import Captured, CaptureRun
     from labcal.capture.guide_settings import GuideSettings
@@ -38,8 +39,9 @@ def capture(
     folder : path
         The shoot to appear. It is whole after every view; what an interrupted run left is gone on with.
     target : str or AnyTarget, optional
-        The target that the pictures show, which a scene brings with it. Without it the code of a print tells
-        it; where there is none, the shoot names no target, and motion during a set is not noticed.
+        The target that the pictures show, which a scene and a shoot that is replayed bring with them. Without
+        it the code of a print tells it; where there is none, the shoot names no target, and motion during a
+        set is not noticed.
     settings : CaptureSettings, optional
         How many views, how often, which sets are refused, a stage's readings, the sources' own settings, and
         those of a guided capture.
@@ -99,7 +101,8 @@ def planned_capture(
     simulated = [source for source in made if isinstance(source, SimulatedCameras)]
     if simulated and len(made) > 1:
         raise InputError("A scene has all its cameras. Give sim:SCENE alone.")
-    shown = target_of(target) if target is not None else simulated[0].scene.target if simulated else None
+    known = simulated[0].scene.target if simulated else _replayed_target(addresses)
+    shown = known if target is None else target_of(target)
     shown = None if shown is None else as_printed(shown, how.print_scale)
     readings = () if how.stage is None else read_stage(how.stage)
     command = {
@@ -124,15 +127,27 @@ def planned_capture(
     return source, run
 
 
+def _replayed_target(addresses: "Sequence[Address]") -> AnyTarget | None:
+    """Return the target that the shoots which are replayed name; None where they do not, or name several."""
+    from labcal.shoot.dataset import MANIFEST, open_shoot
+
+    found: list[AnyTarget | None] = []
+    for address in addresses:
+        if address.kind != "folder" or not (as_path(address.place) / MANIFEST).is_file():
+            return None
+        target = open_shoot(address.place).manifest.target
+        found += [] if target in found else [target]
+    return found[0] if len(found) == 1 else None
+
+
 def _guided(run: "CaptureRun", guide: "GuideSettings", simulated: "SimulatedCameras | None") -> "CaptureRun":
     """Return a run with an advisor, and with a hand that follows it where the cameras are simulated."""
     from labcal.calibrate.lens_start import require_adjustable
+    from labcal.guide.next_pose.guided_by_code import GuidedByCode
     from labcal.guide.next_pose.guided_capture import GuidedCapture
     from labcal.guide.next_pose.hand import parsed_hand_error
     from labcal.guide.next_pose.simulated_hand import SimulatedHand, start_of
 
-    if run.target is None:
-        raise InputError("A guided capture must know the target. Give its name: `target`.")
     if run.stage:
         raise InputError(
             "A guided capture asks for poses itself, and a stage has a list of them. Leave out `stage`, or "
@@ -140,8 +155,10 @@ def _guided(run: "CaptureRun", guide: "GuideSettings", simulated: "SimulatedCame
         )
     require_adjustable(guide.lens)
     seed = run.settings.source_settings.seed
-    advisor = GuidedCapture(run.target, guide, seed)
     error = parsed_hand_error(guide.hand_error)
+    if run.target is None:
+        return replace(run, advisor=GuidedByCode(guide, seed, run.settings.print_scale))
+    advisor = GuidedCapture(run.target, guide, seed)
     if simulated is None:
         return replace(run, advisor=advisor)
     scene = simulated.scene

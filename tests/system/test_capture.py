@@ -120,7 +120,7 @@ def test_a_simulated_hand_follows_the_guide_until_the_error_is_reached(labcal: R
     told, guided = done.document, done.document["guided"]
     assert guided["done"]
     assert guided["reached_mm"] <= 0.9
-    assert 3 <= told["views"] == guided["usable_views"] <= 8
+    assert 4 <= told["views"] == guided["usable_views"] <= 8
     assert "its top tilted away" in done.said
     assert len(open_shoot(tmp_path / "shoot").views()) == told["views"]
 
@@ -129,3 +129,10 @@ def test_options_of_a_guided_capture_need_one(labcal: Run, tmp_path: Path) -> No
     done = labcal("capture", "sim:webcam-handheld", "--wanted-mm", 0.9, "-o", tmp_path / "shoot")
     assert done.status == ExitStatus.UNUSABLE
     assert "Only guided captures have --wanted-mm. Add --guided" in done.said
+
+
+def test_a_page_guides_in_any_case_and_says_so(labcal: Run, tmp_path: Path) -> None:
+    words = ("capture", "sim:webcam-handheld", "--guided", "--page", "--on-enter", "-o", tmp_path / "shoot")
+    done = labcal(*words)  # which ends before anything is rendered
+    assert done.status == ExitStatus.UNUSABLE
+    assert "the page guides in any case" in done.said

@@ -165,7 +165,7 @@ def _errors(planned: PlannedRig, end: Standing | None, case: GuidedSet) -> dict[
     random = generator(case.seed, "bench solve", "guided", case.plan)
     p = _volume(planned).points
     clean = np.stack([camera.project(p).q for camera in planned.cameras], axis=1)
-    variance = end.variance.usual
+    variance = float(case.noise.at(np.array([end.variance.size_px]))[0])  # the true one, not the stated
     pixels = np.tile(variance * np.eye(2), (len(p), len(planned.cameras), 1, 1))
     square, shape = 0.0, 0.0
     for _ in range(_DRAWS):

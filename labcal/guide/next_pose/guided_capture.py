@@ -7,7 +7,7 @@ from jaxtyping import Float64, Int
 
 from labcal.arrays import Mask, Pose, Vectors3
 from labcal.capture.advice import Advice
-from labcal.capture.guide_settings import GuideSettings
+from labcal.capture.guide_settings import FEWEST_STATED, GuideSettings
 from labcal.capture.source import CameraInfo, FrameSet
 from labcal.correspond.detections import Detections
 from labcal.correspond.gathering import gather, joined
@@ -21,7 +21,7 @@ from labcal.guide.next_pose.first_poses import FIRST_POSES, first_outlines
 from labcal.guide.next_pose.picture_faults import picture_faults, repeated
 from labcal.guide.next_pose.rough_rig import RoughRig
 from labcal.guide.next_pose.standing import Standing
-from labcal.guide.next_pose.words import lacks_words, pose_words
+from labcal.guide.next_pose.words import HeldBefore, lacks_words, pose_words
 from labcal.rng import generator
 from labcal.run.threads import one_blas_thread
 from labcal.targets.catalogue import AnyTarget
@@ -122,12 +122,13 @@ class GuidedCapture:
         """Return what to do next, and the error that is reached."""
         standing, wanted = self._standing, self._settings.wanted_mm
         coverage = self._coverage()
+        stated = standing if len(self._tables) >= FEWEST_STATED else None
         base = Advice(
             words="",
             outlines={},
             T_world_target=None,
-            reached_mm=None if standing is None else _finite(standing.reached_mm),
-            calibration_mm=None if standing is None else _finite(standing.calibration_mm),
+            reached_mm=None if stated is None else _finite(stated.reached_mm),
+            calibration_mm=None if stated is None else _finite(stated.calibration_mm),
             wanted_mm=wanted,
             faults=self._faults,
             coverage=coverage,
@@ -135,6 +136,7 @@ class GuidedCapture:
             views=len(self._tables),
             done=False,
             sizes=self._sizes,
+            shape_mm=None if stated is None or len(self._sizes) == 1 else _finite(stated.shape_mm),
         )
         if standing is None:
             return self._before_calibration(base)
@@ -188,7 +190,9 @@ class GuidedCapture:
         T, sees = asked
         names = [name for name, sure in zip(known.names, sees, strict=True) if sure]
         cameras = [camera for camera, sure in zip(known.cameras, sees, strict=True) if sure]
-        words = pose_words(names, cameras, T, self._findable.middle, self._last)
+        words = pose_words(
+            names, cameras, T, self._findable.middle, HeldBefore(self._last, known.distance_share)
+        )
         wanted = self._settings.wanted_mm
         if wanted is not None and isinstance(known, Standing) and known.noise_mm > wanted:
             words += (

@@ -62,6 +62,11 @@ class RoughRig:
     volume: MeasuredVolume
     variance: DotVariance
 
+    @property
+    def distance_share(self) -> float:
+        """Relative standard deviation of distances: that of the focal lengths."""
+        return _FOCAL_SHARE
+
     @classmethod
     def of(
         cls,

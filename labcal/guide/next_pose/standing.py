@@ -67,6 +67,8 @@ class Standing:
         Where the middle of the target was in the first view, mm.
     volume : MeasuredVolume
     variance : DotVariance
+    distance_share : float
+        Relative standard deviation of distances: the largest of a focal length.
     """
 
     calibration: HandheldCalibration
@@ -75,6 +77,7 @@ class Standing:
     centre: Vectors3
     volume: MeasuredVolume
     variance: DotVariance
+    distance_share: float
 
     @classmethod
     def of(
@@ -123,7 +126,7 @@ class Standing:
         centre = transform(found.T_world_target[0], findable.middle[None])[0]
         volume = MeasuredVolume.of(cameras, centre, sides_mm)
         variance = _variance(found, dots, findable, cameras)
-        return cls(found, cameras, covariance.matrix, centre, volume, variance)
+        return cls(found, cameras, covariance.matrix, centre, volume, variance, max(of_focal))
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """A pose in words: nearer or farther, where in the picture, which edge away, turned how."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,10 +12,29 @@ from labcal.wording import listed
 
 _SAME = 0.08
 """Share of the distance below which a pose is neither closer nor farther."""
+_KNOWN = 0.05
+"""Relative standard deviation of distances up to which words give them as lengths."""
 _FACING_DEG = 8.0
 _THIRD = 1.0 / 3.0
 _UPRIGHT_DEG, _BACK_DEG = 30.0, 150.0
 _OCTANT_DEG = 22.5
+
+
+@dataclass(frozen=True)
+class HeldBefore:
+    """The pose that was taken last, and how well distances are known.
+
+    Attributes
+    ----------
+    T_world_target : float64 array, (4, 4), or None
+        Mm; None where there is none.
+    distance_share : float
+        Relative standard deviation of distances. A calibration of few views may change them by more than a
+        person would believe, and then words give them as shares of the last one.
+    """
+
+    T_world_target: Pose | None
+    distance_share: float = 0.0
 
 
 def pose_words(
@@ -22,7 +42,7 @@ def pose_words(
     cameras: Sequence[Camera],
     T_world_target: Pose,
     middle: Vectors3,
-    before: Pose | None,
+    before: HeldBefore,
 ) -> str:
     """Return a pose in words for whoever holds the target.
 
@@ -36,13 +56,13 @@ def pose_words(
         The pose that is asked for, mm.
     middle : ndarray, shape (3,)
         Of the target, mm.
-    before : ndarray, shape (4, 4), or None
+    before : HeldBefore
         The pose that was taken last.
     """
     eyes = middle_of_eyes(tuple(cameras))
     held = T_world_target[:3, :3] @ middle + T_world_target[:3, 3]
     distance = float(np.linalg.norm(held - eyes))
-    parts = [f"{_nearer(distance, middle, eyes, before)}, about {_length(distance)} from the cameras"]
+    parts = [_distance_words(distance, middle, eyes, before)]
     places = [place_in_picture(camera, held) for camera in cameras]
     if any(places):
         which = next(number for number, place in enumerate(places) if place)
@@ -74,13 +94,19 @@ def place_in_picture(camera: Camera, held: Vectors3) -> str:
     )
 
 
-def _nearer(distance: float, middle: Vectors3, eyes: Vectors3, before: Pose | None) -> str:
-    if before is None:
-        return "Hold the target"
-    last = float(np.linalg.norm(before[:3, :3] @ middle + before[:3, 3] - eyes))
-    if distance < (1.0 - _SAME) * last:
-        return "Closer"
-    return "Farther" if distance > (1.0 + _SAME) * last else "As far as before"
+def _distance_words(distance: float, middle: Vectors3, eyes: Vectors3, before: HeldBefore) -> str:
+    """Return closer or farther, and the distance: a length, or a share of the last where it is not known."""
+    length, T = f"about {_length(distance)} from the cameras", before.T_world_target
+    if T is None:
+        return f"Hold the target, {length}"
+    share = distance / float(np.linalg.norm(T[:3, :3] @ middle + T[:3, 3] - eyes))
+    if abs(share - 1.0) <= _SAME:
+        words, length = "As far as before", length if before.distance_share <= _KNOWN else ""
+    else:
+        words = "Closer" if share < 1.0 else "Farther"
+        if before.distance_share > _KNOWN:
+            length = f"at about {round(20.0 * share) * 5}% of the distance before"
+    return f"{words}, {length}" if length else words
 
 
 def _length(mm: float) -> str:

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +83,15 @@ def test_the_text_of_an_advice_fits_80_columns_and_draws_the_outline() -> None:
     assert sum(line.count("o") for line in lines if line.startswith("|")) > 4
     assert "not reached" in summary(advice(3))
     assert summary(advice(3, done=True)) == "Done: reached."
+
+
+def test_an_error_is_stated_from_four_views_on_and_of_one_camera_across_its_line_of_sight() -> None:
+    few = replace(advice(3), reached_mm=None, calibration_mm=None)
+    assert "the expected error is stated from 4 views on" in advice_text(few).replace("\n", " ")
+    one = replace(advice(5), sizes={"left": (640, 480)}, shape_mm=None)
+    assert "expected error across the line of sight 0.123 mm" in advice_text(one).replace("\n", " ")
+    pair = replace(advice(5), shape_mm=0.05)
+    assert "of shape and size alone 0.05 mm" in advice_text(pair).replace("\n", " ")
 
 
 @pytest.mark.parametrize("wrong", [{"wanted_mm": 0.0}, {"wanted_mm": float("nan")}, {"volume_mm": (1.0, 2.0)},

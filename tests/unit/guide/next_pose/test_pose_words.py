@@ -7,7 +7,7 @@ from labcal.geometry.poses import pose
 from labcal.guide.next_pose.findable import Findable
 from labcal.guide.next_pose.first_poses import FIRST_POSES
 from labcal.guide.next_pose.picture_faults import repeated
-from labcal.guide.next_pose.words import lacks_words, pose_words
+from labcal.guide.next_pose.words import HeldBefore, lacks_words, pose_words
 from labcal.targets.catalogue import load_target
 
 CAMERA = Camera(
@@ -42,18 +42,34 @@ def test_the_edge_that_is_named_is_the_one_that_is_farther_away(
     x, y = edge
     board = MIDDLE + np.array([40.0 * x, -40.0 * y, 0.0])  # y is down in the picture, and up on the board
     assert (T[:3, :3] @ board + T[:3, 3])[2] > 600.0
-    assert words in pose_words(["left"], [CAMERA], T, MIDDLE, None)
+    assert words in pose_words(["left"], [CAMERA], T, MIDDLE, HeldBefore(None))
 
 
 def test_distance_place_and_turn_are_told_beside_the_pose_before() -> None:
     before = held((0.0, 0.0, 0.0))
-    closer = pose_words(["left"], [CAMERA], held((0.0, 0.0, 90.0), (-70.0, 60.0, 400.0)), MIDDLE, before)
+    closer = pose_words(
+        ["left"], [CAMERA], held((0.0, 0.0, 90.0), (-70.0, 60.0, 400.0)), MIDDLE, HeldBefore(before)
+    )
     assert closer.startswith("Closer, about 41 cm from the cameras, in the lower left of the picture")
     assert closer.endswith("turned a quarter clockwise")
-    farther = pose_words(["left"], [CAMERA], held((0.0, 0.0, 0.0), (0.0, 0.0, 800.0)), MIDDLE, before)
+    farther = pose_words(
+        ["left"], [CAMERA], held((0.0, 0.0, 0.0), (0.0, 0.0, 800.0)), MIDDLE, HeldBefore(before)
+    )
     assert (
         farther == "Farther, about 80 cm from the cameras, in the middle of the picture, facing the cameras"
     )
+
+
+def test_distances_are_shares_of_the_last_one_until_a_calibration_knows_them() -> None:
+    before = HeldBefore(held((0.0, 0.0, 0.0)), 0.15)
+    for place, words in (
+        (400.0, "Closer, at about 65% of the distance before, in"),
+        (600.0, "As far as before, in"),
+        (810.0, "Farther, at about 135% of the distance before, in"),
+    ):
+        told = pose_words(["left"], [CAMERA], held((0.0, 0.0, 0.0), (0.0, 0.0, place)), MIDDLE, before)
+        assert told.startswith(words)
+        assert " cm" not in told
 
 
 def test_first_poses_tilt_the_edge_that_their_words_name() -> None:
