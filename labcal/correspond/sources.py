@@ -1,5 +1,6 @@
 """Sources of pictures: a shoot, or loose files whose names give view and camera."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,9 @@ from labcal.run.names import differ_in_case, is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.pictures import SUFFIXES, read_picture
 from labcal.wording import clipped, has_control, listed, printable
+
+
+_ENDINGS_SHOWN = 8
 
 
 @dataclass(frozen=True)
@@ -139,7 +143,9 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
                 "Give them different names, or distinguish the cameras with `cameras='_0=left,_1=right'`."
             )
     if not sources:
-        raise InputError(f"There are no pictures ({', '.join(sorted(SUFFIXES))}) in {listed(paths)}.")
+        raise InputError(
+            f"There are no pictures ({', '.join(sorted(SUFFIXES))}) in {listed(paths)}{_endings_seen(paths)}."
+        )
     for kind in ("view", "camera"):
         alike = differ_in_case(dict.fromkeys(str(getattr(source, kind)) for source in sources.values()))
         if alike is not None:
@@ -193,6 +199,23 @@ def _files(paths: Sequence[str]) -> list[str]:
         else:
             raise InputError(f"There is no picture or folder {given}.")
     return found
+
+
+def _endings_seen(paths: Sequence[str]) -> str:
+    """Return the endings of the files in folders, the most frequent ones first, for a message."""
+    entries = [
+        entry
+        for given in paths
+        if Path(given).is_dir()
+        for folder in picture_folders(given)
+        for entry in folder.iterdir()
+        if entry.is_file()
+    ]
+    endings = Counter(entry.suffix.lower() or "without an ending" for entry in entries)
+    if not endings:
+        return ": no file is there"
+    seen = [f"{count} {ending}" for ending, count in endings.most_common()]
+    return f": the files there are {listed(seen, _ENDINGS_SHOWN)}"
 
 
 def picture_folders(folder: AnyPath) -> list[Path]:

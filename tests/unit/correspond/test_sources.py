@@ -50,6 +50,10 @@ def test_what_names_no_picture_is_refused(folder: Path) -> None:
     (folder / "empty").mkdir()
     with pytest.raises(InputError, match=r"There are no pictures \(\.bmp"):
         loose_sources([str(folder / "empty")], {})
+    for name in ("a.fits", "b.FITS", "notes"):
+        (folder / "empty" / name).write_bytes(b"x")
+    with pytest.raises(InputError, match=r"empty: the files there are 2 \.fits, 1 without an ending\."):
+        loose_sources([str(folder / "empty")], {})
     with pytest.raises(InputError, match=r"both view 'b' of camera 'left'.*`cameras="):
         loose_sources([str(folder)], {"_0": "left", "_1": "left"})
 
