@@ -33,7 +33,8 @@ def add_target_and_cameras(parser: argparse.ArgumentParser) -> None:
         "--cameras",
         metavar="NAMES",
         help="cameras of loose pictures by the end of the name, '_0=left,_1=right', or by a pattern: "
-        "'left*=left,right*=right', 'L/*=left,R/*=right'; '*=camera' states that one camera took all",
+        "'left*=left,right*=right', 'L/*=left,R/*=right', or by one with named parts: "
+        "'shot_{view}_cam{camera}', '{camera}/{view}'; '*=camera' states that one camera took all",
     )
 
 

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 
 from labcal.arguments import wrong_type
 from labcal.cameras.rig import Rig
+from labcal.correspond.name_patterns import CAMERA
 from labcal.correspond.pictures_left_out import left_out_words
 from labcal.correspond.printed_target import ShownTarget, named_target, read_target
 from labcal.correspond.sources import Source, camera_endings, find_sources, shoot_sources
@@ -140,7 +141,9 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
         raise InputError("No picture is given. Give a shoot, or pictures and folders of pictures.")
     endings = {} if cameras is None else camera_endings(cameras)
     left_out = tuple(left_out_words(paths))
-    text = ",".join(f"{ending}={camera}" for ending, camera in endings.items())
+    text = ",".join(
+        ending if camera == CAMERA else f"{ending}={camera}" for ending, camera in endings.items()
+    )
     sources = tuple(find_sources(paths, endings))
     return PictureSet(sources, None, _name(paths[0]), tuple(paths), left_out, text)
 
