@@ -15,6 +15,7 @@ from labcal.paths import AnyPath, as_path
 from labcal.run.names import differ_in_case, is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.pictures import SUFFIXES, read_picture
+from labcal.shoot.raw_pictures import RawFormat, read_raw_picture
 from labcal.wording import clipped, has_control, listed, printable
 
 
@@ -33,6 +34,8 @@ class Source:
     """The path as given."""
     size: tuple[int, int] | None
     """Size that the shoot states; None for a loose picture."""
+    raw: RawFormat | None = None
+    """The pixel format, where the file does not tell it."""
 
     def __post_init__(self) -> None:
         """Refuse a name that no table can hold, and that a terminal would obey."""
@@ -50,7 +53,7 @@ class Source:
         InputError
             It cannot be read, or is not of the size that the shoot states.
         """
-        picture = read_picture(Path(self.image))
+        picture = read_picture(self.image) if self.raw is None else read_raw_picture(self.image, self.raw)
         size = (picture.shape[1], picture.shape[0])
         if self.size is not None and size != self.size:
             raise InputError(
