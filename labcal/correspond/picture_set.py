@@ -139,7 +139,9 @@ def open_pictures(
     shoot = _shoot(pictures)
     if shoot is not None:
         if raw is not None:
-            raise InputError("`raw` is for loose pictures; a shoot has pictures that state their form. Leave it out.")
+            raise InputError(
+                "`raw` is for loose pictures; a shoot has pictures that state their form. Leave it out."
+            )
         if cameras is not None:
             raise InputError(
                 "`cameras` is for loose pictures; a shoot names the camera of each. Leave it out."

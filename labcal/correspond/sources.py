@@ -207,7 +207,9 @@ def loose_source(image: str, endings: Mapping[str, str]) -> Source:
         return Source(Path(image).stem, "camera", image, None)
     pattern = best_pattern(image, endings)
     if pattern is None:
-        fits = "fits" if any(mark in known for known in endings for mark in (ANY, VIEW, CAMERA)) else "ends in"
+        fits = (
+            "fits" if any(mark in known for known in endings for mark in (ANY, VIEW, CAMERA)) else "ends in"
+        )
         raise InputError(
             f"The name of {image} {fits} none of {', '.join(endings)}, so its camera is not known."
         )

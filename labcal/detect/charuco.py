@@ -56,7 +56,10 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     found = Corners(rough.index, rough.q, [None] * len(rough.index), rough.axes)
     corners = measured_corners(grey, board, found, settings)
     further = {(int(i), int(j)) for i, j in rough.index[~rough.beside]}
-    kept = [fit is not None or (int(i), int(j)) not in further for fit, (i, j) in zip(corners.fits, corners.index, strict=True)]
+    kept = [
+        fit is not None or (int(i), int(j)) not in further
+        for fit, (i, j) in zip(corners.fits, corners.index, strict=True)
+    ]
     corners = corners.select(np.flatnonzero(kept))
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     dots = _collect(corners, grey, settings)

@@ -4,7 +4,6 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from labcal.errors import InputError
@@ -17,12 +16,6 @@ RAW_SUFFIXES = frozenset({".raw", ".bin"})
 """Endings of files without a header, in a folder."""
 _FORM = re.compile(r"(Mono|Bayer(?:RG|GR|GB|BG))(8|10|12|14|16|10p|12p|10Packed|12Packed)(?::(\d+)x(\d+))?")
 _WHOLE_BYTE = 8
-_TO_COLOUR = {
-    "RG": cv2.COLOR_BayerBG2RGB,  # OpenCV names a pattern by its second row and column
-    "GR": cv2.COLOR_BayerGB2RGB,
-    "GB": cv2.COLOR_BayerGR2RGB,
-    "BG": cv2.COLOR_BayerRG2RGB,
-}
 _CORNERS = {"RG": "RGGB", "GR": "GRBG", "GB": "GBRG", "BG": "BGGR"}
 
 
@@ -69,7 +62,9 @@ def parse_raw_format(text: str) -> RawFormat:
     size = None if width is None else (int(width), int(height))
     if size is not None and not 0 < size[0] * size[1] <= MOST_PIXELS:
         raise InputError(f"`raw` states {size[0]} x {size[1]} pixels, which no picture has.")
-    return RawFormat(colours.removeprefix("Bayer") if colours != "Mono" else None, bits, depth.lstrip("0123456789"), size)
+    return RawFormat(
+        colours.removeprefix("Bayer") if colours != "Mono" else None, bits, depth.lstrip("0123456789"), size
+    )
 
 
 def read_raw_picture(path: AnyPath, raw: RawFormat) -> np.ndarray:
@@ -77,9 +72,8 @@ def read_raw_picture(path: AnyPath, raw: RawFormat) -> np.ndarray:
 
     Returns
     -------
-    ndarray, shape (height, width) or (height, width, 3)
-        uint8 or uint16. Colours, red first, are interpolated linearly after their mean was made equal, so that
-        what is grey is grey.
+    ndarray, shape (height, width)
+        uint8 or uint16; a mosaic is balanced, see :func:`balanced_mosaic`.
 
     Raises
     ------
@@ -98,11 +92,14 @@ def read_raw_picture(path: AnyPath, raw: RawFormat) -> np.ndarray:
         raise InputError(
             f"The picture {path} holds no mosaic: it has colours already, or no whole numbers. Leave out `raw`."
         )
-    return developed(picture, raw.pattern)
+    return balanced_mosaic(picture, raw.pattern)
 
 
-def developed(mosaic: np.ndarray, pattern: str) -> np.ndarray:
-    """Return the colours behind a Bayer mosaic.
+def balanced_mosaic(mosaic: np.ndarray, pattern: str) -> np.ndarray:
+    """Return a Bayer mosaic whose colours have one mean, so that what is grey has one value.
+
+    Targets are black and white: their mosaic is then a grey picture at every pixel. To interpolate colours
+    would add nothing, and its errors at edges would move dots.
 
     Parameters
     ----------
@@ -112,10 +109,9 @@ def developed(mosaic: np.ndarray, pattern: str) -> np.ndarray:
 
     Returns
     -------
-    ndarray, shape (height, width, 3)
-        Red, green, blue, of the same type.
+    ndarray, shape (height, width)
+        Of the same type; the brighter colours are scaled down, so that none is cut off.
     """
-    most = float(np.iinfo(mosaic.dtype).max)
     phases = {(i, j): mosaic[i::2, j::2] for i in (0, 1) for j in (0, 1)}
     colours = dict(zip(phases, _CORNERS[pattern], strict=True))
     means = {
@@ -124,12 +120,9 @@ def developed(mosaic: np.ndarray, pattern: str) -> np.ndarray:
     }
     least = min(means.values())
     balanced = mosaic.astype(np.float64)
-    for at in phases:
-        # Down to the darkest colour, so that what is saturated in one colour is not brighter than the rest.
-        mean = means[colours[at]]
-        balanced[at[0] :: 2, at[1] :: 2] *= least / mean if mean > 0.0 else 1.0
-    grey = np.clip(np.round(balanced), 0, most).astype(mosaic.dtype)
-    return np.asarray(cv2.cvtColor(grey, _TO_COLOUR[pattern]))
+    for at, colour in colours.items():
+        balanced[at[0] :: 2, at[1] :: 2] *= least / means[colour] if means[colour] > 0.0 else 1.0
+    return np.asarray(np.round(balanced).astype(mosaic.dtype))
 
 
 def _unpacked(path: Path, data: np.ndarray, raw: RawFormat) -> np.ndarray:
@@ -158,7 +151,9 @@ def _unpacked(path: Path, data: np.ndarray, raw: RawFormat) -> np.ndarray:
         first, both, second = data.reshape(-1, 3).astype(np.uint16).T
         low = raw.bits - _WHOLE_BYTE
         mask = (1 << low) - 1
-        values = np.stack([first << low | both & mask, second << low | both >> 4 & mask], axis=-1).ravel()[:count]
+        values = np.stack([first << low | both & mask, second << low | both >> 4 & mask], axis=-1).ravel()[
+            :count
+        ]
     else:
         values = data if raw.bits == _WHOLE_BYTE else data.view("<u2")
     return np.ascontiguousarray(values.reshape(height, width)).astype(

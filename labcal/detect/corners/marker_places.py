@@ -157,7 +157,9 @@ def _on_board(board: CharucoBoard) -> Float64[np.ndarray, "n 4 2"]:
 
 
 def _through(
-    q: Float64[np.ndarray, "k 4 2"], on_board: Float64[np.ndarray, "k 4 2"], wanted: Float64[np.ndarray, "n 2"]
+    q: Float64[np.ndarray, "k 4 2"],
+    on_board: Float64[np.ndarray, "k 4 2"],
+    wanted: Float64[np.ndarray, "n 2"],
 ) -> Float64[np.ndarray, "n 2"]:
     """Return where points of the board (squares) are seen, by the homography of some markers, px."""
     H = projective_map("markers", on_board.reshape(-1, 2), q.reshape(-1, 2))

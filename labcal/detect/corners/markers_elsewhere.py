@@ -11,9 +11,7 @@ from labcal.wording import counted, listed
 _RANGES_SHOWN = 8
 
 
-def why_not_in_place(
-    seen: SeenMarkers, board: CharucoBoard, settings: CornerSettings
-) -> tuple[Refusal, str]:
+def why_not_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSettings) -> tuple[Refusal, str]:
     """Return why no two markers place the board, and a sentence on those that are seen.
 
     Parameters
@@ -29,9 +27,7 @@ def why_not_in_place(
     numbers = sorted(set(seen.number.tolist()))
     noun = "Marker" if len(numbers) == 1 else "Markers"
     were = "was" if len(numbers) == 1 else "were"
-    detail = (
-        f"{noun} {ranges(numbers)} of {board.dictionary} {were} read; the target has {board.first_id} to {last}."
-    )
+    detail = f"{noun} {ranges(numbers)} of {board.dictionary} {were} read; the target has {board.first_id} to {last}."
     first = _first_id(seen, board, settings)
     if first is not None:
         return Refusal.OTHER_IDS, f"{detail} They fit the board with first_id: {first}."
@@ -40,7 +36,9 @@ def why_not_in_place(
         return Refusal.OTHER_IDS, detail
     if own >= settings.other_board_markers:
         return Refusal.OTHER_BOARD, detail
-    read = f"{counted(own, 'marker')} of the board's {board.marker_count} {'was' if own == 1 else 'were'} read."
+    read = (
+        f"{counted(own, 'marker')} of the board's {board.marker_count} {'was' if own == 1 else 'were'} read."
+    )
     return Refusal.MARKERS_UNREADABLE, read
 
 

@@ -44,7 +44,9 @@ def without_deviating_shapes(
     return Lattice(kept, lattice.undistortion) if kept else lattice
 
 
-def shape_deviations(predictor: Predictor, outlines: Outlines, target: DotGrid, settings: GridSettings) -> np.ndarray:
+def shape_deviations(
+    predictor: Predictor, outlines: Outlines, target: DotGrid, settings: GridSettings
+) -> np.ndarray:
     """Return by how much a semi-axis is off, in its logarithm, less what pixels do; 0 if undetermined."""
     spots = list(predictor.lattice.spots.values())
     found = predictor.shapes_in_steps(outlines)

@@ -60,7 +60,9 @@ def seed_at(
         return None
     expected = abs(float(np.log(target.cell_mm[0] / target.cell_mm[1])))
     corners = 2 if target.layout is Layout.ASYMMETRIC and target.rows <= _FLAT_ROWS else 3
-    pair = _full_cross(arms, present, (expected, corners), settings) or _half_cross(arms, present, expected, settings)
+    pair = _full_cross(arms, present, (expected, corners), settings) or _half_cross(
+        arms, present, expected, settings
+    )
     residual = settings.seed_residual_steps
     if pair is None or _is_coarse(pair.first, pair.second, present, residual):
         return None

@@ -92,7 +92,9 @@ def test_one_pattern_with_named_parts_tells_all_cameras(tmp_path: Path, form: st
     assert cameras_of(tmp_path, list(wanted.values()), cameras) == wanted
 
 
-@pytest.mark.parametrize("text", ["{camera}", "a_{camera}_b", "{camera}_{camera}_{view}", "{view}{camera}", "*{camera}"])
+@pytest.mark.parametrize(
+    "text", ["{camera}", "a_{camera}_b", "{camera}_{camera}_{view}", "{view}{camera}", "*{camera}"]
+)
 def test_patterns_whose_parts_are_open_are_refused(text: str) -> None:
     with pytest.raises(InputError, match=r"\{camera\}"):
         parse_camera_endings(text)

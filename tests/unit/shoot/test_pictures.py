@@ -72,7 +72,17 @@ def test_12_bits_packed_in_a_tiff_keep_their_order_of_light(tmp_path: Path) -> N
         [pairs[:, 0] >> 4, (pairs[:, 0] & 15) << 4 | pairs[:, 1] >> 8, pairs[:, 1] & 255], axis=1
     )
     data = packed.astype(np.uint8).tobytes()
-    tags = [(256, 60), (257, 40), (258, 12), (259, 1), (262, 1), (273, 8), (277, 1), (278, 40), (279, len(data))]
+    tags = [
+        (256, 60),
+        (257, 40),
+        (258, 12),
+        (259, 1),
+        (262, 1),
+        (273, 8),
+        (277, 1),
+        (278, 40),
+        (279, len(data)),
+    ]
     directory = b"".join(
         tag.to_bytes(2, "little") + (4).to_bytes(2, "little") + (1).to_bytes(4, "little")
         + value.to_bytes(4, "little") for tag, value in tags
