@@ -8,8 +8,8 @@ from labcal.capture.addresses import Address
 from labcal.capture.folder import file_of
 from labcal.capture.settings import SourceSettings
 from labcal.capture.source import CameraInfo, Frame, FrameSet
-from labcal.correspond.sources import Source as Picture
 from labcal.correspond.name_patterns import CAMERA
+from labcal.correspond.sources import Source as Picture
 from labcal.correspond.sources import camera_endings, loose_source
 from labcal.errors import DeviceError, InputError
 from labcal.shoot.pictures import SUFFIXES
@@ -43,8 +43,8 @@ class WatchedFolder:
         self._endings = {} if settings.cameras is None else camera_endings(settings.cameras)
         if CAMERA in self._endings.values():
             raise InputError(
-                f"A watched folder must be told which cameras it waits for: `cameras='_0=left,_1=right'`, not a "
-                f"pattern with {CAMERA}."
+                "A watched folder must be told which cameras it waits for: `cameras='_0=left,_1=right'`, not "
+                f"a pattern with {CAMERA}."
             )
         self._names = list(dict.fromkeys(self._endings.values())) or [address.camera or "camera"]
         self._known: set[Path] = set()

@@ -25,8 +25,8 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--raw",
         metavar="FORMAT",
-        help="pixel format of loose pictures that hold a Bayer mosaic or have no header, with the size of these: "
-        "'BayerRG8', 'Mono12p:1280x1024' (GenICam's names)",
+        help="pixel format of loose pictures that hold a Bayer mosaic or have no header, with the size of "
+        "these: 'BayerRG8', 'Mono12p:1280x1024' (GenICam's names)",
     )
 
 

@@ -18,7 +18,6 @@ from labcal.shoot.pictures import SUFFIXES, read_picture
 from labcal.shoot.raw_pictures import RawFormat, read_raw_picture
 from labcal.wording import clipped, has_control, listed, printable
 
-
 _ENDINGS_SHOWN = 8
 _LEVELS = 2
 """Folders within a folder in which pictures are looked for."""
@@ -99,7 +98,7 @@ def _named_parts(pattern: str) -> str:
         )
     if f"{CAMERA}\0" in others or f"\0{CAMERA}" in others:
         raise InputError(
-            f"In '{pattern}' nothing stands between {{camera}} and {{view}}, so that it is open where the one "
+            f"In '{pattern}' nothing stands between {{camera}} and {{view}}, so that it is open where one "
             "ends. Write what is between them, or name each camera: 'left*=left,right*=right'."
         )
     return pattern

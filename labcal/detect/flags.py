@@ -107,8 +107,8 @@ _ADVICE = {
         "a dot is at least 10 px across, and that the target names the code and the marks of the print."
     ),
     Refusal.MARKERS_UNREADABLE: (
-        "Two markers or more, near to each other, must be read to place the board. Check that its codes are clean, sharp and at "
-        "least 15 px across, and that glare or dirt does not cover them."
+        "Two markers or more, near to each other, must be read to place the board. Check that its codes are "
+        "clean, sharp and at least 15 px across, and that glare or dirt does not cover them."
     ),
     Refusal.OTHER_IDS: (
         "The target does not have these markers. Name the board that is in the picture, or state the id of "

@@ -53,8 +53,8 @@ def parse_raw_format(text: str) -> RawFormat:
     found = _FORM.fullmatch(text)
     if found is None:
         raise InputError(
-            f"`raw` takes a pixel format, Mono or BayerRG, BayerGR, BayerGB, BayerBG with 8, 10, 12, 16, 10p, 12p, "
-            f"10Packed or 12Packed, and the size of files without a header, as in 'BayerRG8' or "
+            "`raw` takes a pixel format, Mono or BayerRG, BayerGR, BayerGB, BayerBG with 8, 10, 12, 14, 16, 10p, "
+            "12p, 10Packed or 12Packed, and the size of files without a header, as in 'BayerRG8' or "
             f"'Mono12p:1280x1024', but got '{text}'."
         )
     colours, depth, width, height = found.groups()
@@ -90,7 +90,8 @@ def read_raw_picture(path: AnyPath, raw: RawFormat) -> np.ndarray:
         return picture
     if picture.ndim != 2 or picture.dtype not in (np.uint8, np.uint16):  # noqa: PLR2004 -- grey
         raise InputError(
-            f"The picture {path} holds no mosaic: it has colours already, or no whole numbers. Leave out `raw`."
+            f"The picture {path} holds no mosaic: it has colours already, or no whole numbers. Leave out "
+            "`raw`."
         )
     return balanced_mosaic(picture, raw.pattern)
 
@@ -141,8 +142,8 @@ def _unpacked(path: Path, data: np.ndarray, raw: RawFormat) -> np.ndarray:
         wanted = (count + 1) // 2 * 3
     if len(data) != wanted:
         raise InputError(
-            f"{path} has {len(data)} bytes, but {width} x {height} pixels of {raw.bits} bits take {wanted}. Check "
-            "the size and the pixel format, and whether the file has a header that is to be cut off."
+            f"{path} has {len(data)} bytes, but {width} x {height} pixels of {raw.bits} bits take {wanted}. "
+            "Check the size and the pixel format, and whether the file has a header that is to be cut off."
         )
     if raw.packing == "p":
         bits = np.unpackbits(data, bitorder="little")[: count * raw.bits].reshape(count, raw.bits)

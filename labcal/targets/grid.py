@@ -109,8 +109,8 @@ class DotGrid(ScaledPrint):
         self._check_rings()
         if self.layout is Layout.ASYMMETRIC and self.rows < _FEWEST_SHIFTED_ROWS:
             raise ValueError(
-                f"an asymmetric grid of {self.rows} rows is not found in pictures: give it {_FEWEST_SHIFTED_ROWS} "
-                "rows or more"
+                f"an asymmetric grid of {self.rows} rows is not found in pictures: give it "
+                f"{_FEWEST_SHIFTED_ROWS} rows or more"
             )
         if self.layout is Layout.ASYMMETRIC and not math.isclose(self.pitch_x_mm, 2.0 * self.pitch_y_mm):
             raise ValueError(

@@ -132,8 +132,9 @@ class RoughCorners:
 def corners_beside(placed: SeenMarkers, board: CharucoBoard) -> RoughCorners:
     """Return the board's corners at the squares of markers that are in place, roughly.
 
-    A corner is predicted by the homography of the nearest markers, one or two, its axes by more of them. Of few markers the corners of
-    the squares around are given, too: those of the border have hardly any of their own.
+    A corner is predicted by the homography of the nearest markers, one or two, its axes by more of them. Of
+    few markers the corners of the squares around are given, too: those of the border have hardly any of their
+    own.
     """
     on_board = _on_board(board)[placed.number - board.first_id]
     reach = np.abs(board.indices()[:, None] - on_board.mean(axis=1)).max(axis=2)
@@ -150,7 +151,7 @@ def corners_beside(placed: SeenMarkers, board: CharucoBoard) -> RoughCorners:
 
 
 def _on_board(board: CharucoBoard) -> Float64[np.ndarray, "n 4 2"]:
-    """Return the corners of the board's markers in squares; corner (col, row) of the board is at (col, row)."""
+    """Return the corners of the board's markers in squares; the board's own (col, row) is at (col, row)."""
     points = np.array(opencv_board(board).getObjPoints(), dtype=np.float64).reshape(-1, 3)
     squares: np.ndarray = board.points_from_opencv(points)[:, :2].reshape(-1, 4, 2) / board.square_mm
     return squares

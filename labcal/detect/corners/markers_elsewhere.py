@@ -27,7 +27,8 @@ def why_not_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSet
     numbers = sorted(set(seen.number.tolist()))
     noun = "Marker" if len(numbers) == 1 else "Markers"
     were = "was" if len(numbers) == 1 else "were"
-    detail = f"{noun} {ranges(numbers)} of {board.dictionary} {were} read; the target has {board.first_id} to {last}."
+    detail = f"{noun} {ranges(numbers)} of {board.dictionary} {were} read; "
+    detail += f"the target has {board.first_id} to {last}."
     first = _first_id(seen, board, settings)
     if first is not None:
         return Refusal.OTHER_IDS, f"{detail} They fit the board with first_id: {first}."

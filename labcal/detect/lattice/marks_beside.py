@@ -1,4 +1,4 @@
-"""Marks beside a grid of equal dots: letters, logos and rulers that lie about a step outside are no dots of it."""
+"""Marks beside a grid of equal dots: letters, logos and rulers about a step outside are no dots of it."""
 
 from collections.abc import Sequence
 
@@ -21,9 +21,9 @@ def without_marks_beside(
 ) -> Lattice:
     """Return a lattice without outermost lines that hold hardly a dot.
 
-    An outermost row or column goes where its spots that look like dots, of the shape of the others and without
-    a hole, are fewer than half of the line inside it. A line of which that is true is none that a plain grid
-    could be numbered by.
+    An outermost row or column goes where its spots that look like dots, of the shape of the others and
+    without a hole, are fewer than half of the line inside it. A line of which that is true is none that a
+    plain grid could be numbered by.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def dots_among(
         if prediction is None or not np.isfinite(dot.outline).all():
             found.append(dot)
             continue
-        relative = np.sqrt(np.abs(eigenvalues((inverses(prediction.outline[None]) @ dot.outline[None]))[0]))
+        relative = np.sqrt(np.abs(eigenvalues(inverses(prediction.outline[None]) @ dot.outline[None])[0]))
         minor = float(np.sqrt(eigenvalues(dot.outline[None])[0, 0]))
         off = float(np.abs(np.log(relative)).max()) - settings.shape_px / minor
         distance = np.linalg.norm(outlines.centre - dot.seen_at, axis=1)
@@ -125,7 +125,7 @@ def lines_seen(outlines: Outlines, target: DotGrid, settings: GridSettings) -> s
 
 
 def _places(nodes: DotIndices, target: DotGrid) -> DotIndices:
-    """Return nodes by column and row; of an asymmetric grid, whose lattice stands on its corner, in halves."""
+    """Return nodes by column and row; of an asymmetric grid, whose lattice stands on a corner, in halves."""
     if target.layout is Layout.SYMMETRIC:
         return nodes
     return np.stack([nodes[:, 0] - nodes[:, 1], nodes[:, 0] + nodes[:, 1]], axis=-1)

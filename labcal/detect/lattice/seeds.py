@@ -86,8 +86,8 @@ def _full_cross(
 ) -> _Pair | None:
     """Return the smallest pair of arms, square to each other, with spots opposite and at the corners.
 
-    `wanted` is the expected log ratio of the steps, and the number of corners: one of four may be missing, and
-    of an asymmetric grid with three rows the two across them are.
+    `wanted` is the expected log ratio of the steps, and the number of corners: one of four may be missing,
+    and of an asymmetric grid with three rows the two across them are.
     """
     expected, count = wanted
     opposite = _nearest_distance(-arms, present) / np.linalg.norm(arms, axis=1)

@@ -35,8 +35,8 @@ class CornerSettings(StageSettings):
         0.25,
         gt=0,
         lt=0.5,
-        description="Most distance of a marker's corners from where its neighbours predict them. Larger: more "
-        "markers count on a bent board, and wrong ones.",
+        description="Most distance of a marker's corners from where its neighbours predict them. Larger: "
+        "more markers count on a bent board, and wrong ones.",
     )
     range_cut_percent: float = Field(
         0.1,

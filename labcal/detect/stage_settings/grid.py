@@ -235,8 +235,8 @@ class GridSettings(StageSettings):
         0.15,
         gt=0,
         le=5,
-        description="Log of the ratio of a semi-axis to the usual one from which a spot outside a grid without "
-        "rings is a mark and no dot. Larger: letters beside a grid count as dots.",
+        description="Log of the ratio of a semi-axis to the usual one from which a spot outside a grid "
+        "without rings is a mark and no dot. Larger: letters beside a grid count as dots.",
     )
     max_dots_beyond: int = Field(
         1,

@@ -91,7 +91,7 @@ def test_dots_behind_a_mosaic_are_measured_better_by_its_pattern() -> None:
     places = target.points(target.indices())[:, :2] * [2.6, -2.6] + [60.3, 260.7]
     canvas = np.full((320 * 8, 440 * 8), 210, dtype=np.uint8)
     for x, y in np.round(((places + 0.5) * 8 - 0.5) * 16).astype(int):
-        cv2.circle(canvas, (int(x), int(y)), int(13 * 8 * 16), 40, -1, cv2.LINE_AA, 4)
+        cv2.circle(canvas, (int(x), int(y)), 13 * 8 * 16, 40, -1, cv2.LINE_AA, 4)
     light = cv2.GaussianBlur(cv2.resize(canvas, (440, 320), interpolation=cv2.INTER_AREA), (0, 0), 0.8)
     mosaic = light.astype(np.float64)
     mosaic[0::2, 0::2] *= 0.55
