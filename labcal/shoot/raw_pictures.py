@@ -53,18 +53,17 @@ def parse_raw_format(text: str) -> RawFormat:
     found = _FORM.fullmatch(text)
     if found is None:
         raise InputError(
-            "`raw` takes a pixel format, Mono or BayerRG, BayerGR, BayerGB, BayerBG with 8, 10, 12, 14, 16, 10p, "
-            "12p, 10Packed or 12Packed, and the size of files without a header, as in 'BayerRG8' or "
+            "`raw` takes a pixel format, Mono or BayerRG, BayerGR, BayerGB, BayerBG with 8, 10, 12, 14, 16, "
+            "10p, 12p, 10Packed or 12Packed, and the size of files without a header, as in 'BayerRG8' or "
             f"'Mono12p:1280x1024', but got '{text}'."
         )
     colours, depth, width, height = found.groups()
-    bits = int(re.match(r"\d+", depth)[0])  # type: ignore[index] -- the form has matched
+    packing = depth.lstrip("0123456789")
+    bits = int(depth.removesuffix(packing))
     size = None if width is None else (int(width), int(height))
     if size is not None and not 0 < size[0] * size[1] <= MOST_PIXELS:
         raise InputError(f"`raw` states {size[0]} x {size[1]} pixels, which no picture has.")
-    return RawFormat(
-        colours.removeprefix("Bayer") if colours != "Mono" else None, bits, depth.lstrip("0123456789"), size
-    )
+    return RawFormat(colours.removeprefix("Bayer") if colours != "Mono" else None, bits, packing, size)
 
 
 def read_raw_picture(path: AnyPath, raw: RawFormat) -> np.ndarray:

@@ -92,13 +92,15 @@ def markers_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSet
     """
     every, seen = seen, seen.on(board)
     on_board = _on_board(board)[seen.number - board.first_id]
-    seeds = np.unique(np.linspace(0, len(seen.number) - 1, _SEEDS).astype(int)) if len(seen.number) else []
+    seeds: list[int] = []
+    if len(seen.number):
+        seeds = sorted(set(np.linspace(0, len(seen.number) - 1, _SEEDS).astype(int).tolist()))
     best: list[int] = []
     for seed in seeds:
         if seed in best:
             continue
-        placed = _agreeing(int(seed), seen, on_board, settings.max_marker_residual_squares)
-        best = max(best, placed, key=len)
+        agreeing = _agreeing(seed, seen, on_board, settings.max_marker_residual_squares)
+        best = max(best, agreeing, key=len)
     if len(best) < _LEAST_AGREEING or 2 * len(best) < len(np.unique(seen.number)):
         best = []
     placed = seen.select(np.array(sorted(best), dtype=np.int64))
