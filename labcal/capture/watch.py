@@ -8,6 +8,7 @@ from labcal.capture.addresses import Address
 from labcal.capture.folder import file_of
 from labcal.capture.settings import SourceSettings
 from labcal.capture.source import CameraInfo, Frame, FrameSet
+from labcal.correspond.name_patterns import CAMERA
 from labcal.correspond.sources import Source as Picture
 from labcal.correspond.sources import camera_endings, loose_source
 from labcal.errors import DeviceError, InputError
@@ -40,6 +41,11 @@ class WatchedFolder:
         self._address, self._folder = address, Path(address.place)
         self._timeout_s = settings.timeout_s
         self._endings = {} if settings.cameras is None else camera_endings(settings.cameras)
+        if CAMERA in self._endings.values():
+            raise InputError(
+                "A watched folder must be told which cameras it waits for: `cameras='_0=left,_1=right'`, not "
+                f"a pattern with {CAMERA}."
+            )
         self._names = list(dict.fromkeys(self._endings.values())) or [address.camera or "camera"]
         self._known: set[Path] = set()
         self._stood: dict[Path, tuple[tuple[int, int], float]] = {}

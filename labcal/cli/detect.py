@@ -50,7 +50,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.shoot.tone_curve import find_tone_curve
 
     tone_curve, settings = find_tone_curve(arguments.tone_curve), detect_settings(arguments.changes)
-    pictures = open_pictures(arguments.pictures, arguments.cameras)
+    pictures = open_pictures(arguments.pictures, arguments.cameras, arguments.raw)
     if pictures.shoot is None:
         refuse_option(
             arguments, "print_scale", "is stored in a shoot; of loose pictures 'calibrate' takes it"

@@ -35,7 +35,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.shoot.pictures import picture_output
 
     settings = detect_settings(arguments.changes)
-    pictures = open_pictures(arguments.pictures, arguments.cameras)
+    pictures = open_pictures(arguments.pictures, arguments.cameras, arguments.raw)
     target = pictures.target(arguments.target)
     read = paths_read([*arguments.pictures, arguments.target], pictures.sources)
     page = None

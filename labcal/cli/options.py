@@ -17,11 +17,17 @@ def add_output(parser: argparse.ArgumentParser, metavar: str, help_text: str) ->
 
 
 def add_pictures(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of pictures: the pictures, ``--target``, ``--cameras``."""
+    """Add the arguments of pictures: the pictures, ``--target``, ``--cameras``, ``--raw``."""
     parser.add_argument(
         "pictures", nargs="+", metavar="SHOOT-or-IMAGES", help="one shoot, or pictures and folders"
     )
     add_target_and_cameras(parser)
+    parser.add_argument(
+        "--raw",
+        metavar="FORMAT",
+        help="pixel format of loose pictures that hold a Bayer mosaic or have no header, with the size of "
+        "these: 'BayerRG8', 'Mono12p:1280x1024' (GenICam's names)",
+    )
 
 
 def add_target_and_cameras(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +39,8 @@ def add_target_and_cameras(parser: argparse.ArgumentParser) -> None:
         "--cameras",
         metavar="NAMES",
         help="cameras of loose pictures by the end of the name, '_0=left,_1=right', or by a pattern: "
-        "'left*=left,right*=right', 'L/*=left,R/*=right'; '*=camera' states that one camera took all",
+        "'left*=left,right*=right', 'L/*=left,R/*=right', or by one with named parts: "
+        "'shot_{view}_cam{camera}', '{camera}/{view}'; '*=camera' states that one camera took all",
     )
 
 

@@ -14,7 +14,6 @@ from labcal.correspond.picture_work import over_pictures, read_and
 from labcal.correspond.refused_pictures import no_picture_left
 from labcal.correspond.sources import Source
 from labcal.detect.dots import PictureDots
-from labcal.detect.flags import advice
 from labcal.detect.settings import DetectSettings
 from labcal.public_object import PublicObject
 from labcal.run.progress import Progress
@@ -79,7 +78,7 @@ def _lost(source: Source, reason: str) -> Measurement:
 
 def _measurement(source: Source, dots: PictureDots) -> Measurement:
     """Return the detections, with a reason if the picture is refused."""
-    reason = None if dots.refusal is None else f"{dots.refusal}: {advice(dots.refusal)}"
+    reason = None if dots.refusal is None else f"{dots.refusal}: {dots.why}"
     return Measurement(source, dots, reason)
 
 

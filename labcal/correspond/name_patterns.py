@@ -8,6 +8,9 @@ from pathlib import Path
 
 ANY = "*"
 """In a pattern: whatever the view is called. Alone it says that all pictures are of one camera."""
+VIEW, CAMERA = "{view}", "{camera}"
+"""In a pattern: the view, as ``*``, and the name of the camera."""
+_TOKEN = re.compile(r"(\*|\{view\}|\{camera\})")
 _PART = re.compile(
     r"(?P<moment>\d{4}([-_.])\d\d\2\d\d(?:[-_.T ]+\d\d([-_.h]?)\d\d(?:\3\d\d)?)?(?!\d)"
     r"|\d\d([-_.])\d\d\4\d\d(?!\d))"
@@ -57,18 +60,53 @@ def view_in(name: str, pattern: str) -> str | None:
         Path of the picture.
     pattern : str
         The end of its name without suffix, or with ``*`` for whatever the view is called: ``left*``,
-        ``*_camA_*``; with a slash it is the end of the path: ``LEFT/*``.
+        ``*_camA_*``; with a slash it is the end of the path: ``LEFT/*``. ``{view}`` is the same as ``*``, and
+        ``{camera}`` stands for what the camera is called.
     """
+    found = _fitted(name, pattern)
+    return None if found is None else found[1]
+
+
+def camera_in(name: str, pattern: str, camera: str) -> str:
+    """Return the camera of a picture that fits a pattern: the text at ``{camera}``, else the one given.
+
+    Parameters
+    ----------
+    name : str
+        Path of the picture.
+    pattern : str
+        As of :func:`view_in`.
+    camera : str
+        The camera of the pattern.
+    """
+    found = _fitted(name, pattern)
+    return camera if found is None or camera != CAMERA else found[0]
+
+
+def _fitted(name: str, pattern: str) -> tuple[str, str] | None:
+    """Return the texts at ``{camera}`` (empty without it) and at the view; None if the name does not fit."""
     path, stem = _whole(name).parent.as_posix() + "/" + Path(name).stem, Path(name).stem
-    if ANY not in pattern:
-        return stem.removesuffix(pattern) if stem.endswith(pattern) and stem != pattern else None
+    if not _TOKEN.search(pattern):
+        fits = stem.endswith(pattern) and stem != pattern
+        return ("", stem.removesuffix(pattern)) if fits else None
+    if pattern == ANY:
+        return "", stem
     text, start = (path, r"(?:.*/)?") if "/" in pattern else (stem, "")
-    found = re.fullmatch(start + "(.*)".join(map(re.escape, pattern.split(ANY))), text)
-    view = "" if found is None else "-".join(filter(None, found.groups())).replace("/", "-").strip("-_ .")
-    return (stem if pattern == ANY else view) or None
+    pieces = _TOKEN.split(pattern)
+    tokens = pieces[1::2]
+    within = ["([^/]+)" if token == CAMERA else "(.*)" for token in tokens]
+    form = start + re.escape(pieces[0])
+    form += "".join(group + re.escape(fixed) for group, fixed in zip(within, pieces[2::2], strict=True))
+    found = re.fullmatch(form, text)
+    if found is None:
+        return None
+    texts = list(zip(tokens, found.groups(), strict=True))
+    camera = next((part for token, part in texts if token == CAMERA), "")
+    view = "-".join(part for token, part in texts if token != CAMERA and part).replace("/", "-").strip("-_ .")
+    return (camera, view) if view else None
 
 
 def best_pattern(name: str, patterns: Mapping[str, str]) -> str | None:
     """Return the pattern that fits the name of a picture with most letters of its own, else None."""
     fitting = [pattern for pattern in patterns if view_in(name, pattern) is not None]
-    return max(fitting, key=lambda pattern: len(pattern.replace(ANY, "")), default=None)
+    return max(fitting, key=lambda pattern: len(_TOKEN.sub("", pattern)), default=None)

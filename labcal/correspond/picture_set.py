@@ -3,13 +3,14 @@
 import os.path
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pydantic import BaseModel
 
-from labcal.arguments import wrong_type
+from labcal.arguments import one_text, wrong_type
 from labcal.cameras.rig import Rig
+from labcal.correspond.name_patterns import CAMERA
 from labcal.correspond.pictures_left_out import left_out_words
 from labcal.correspond.printed_target import ShownTarget, named_target, read_target
 from labcal.correspond.sources import Source, camera_endings, find_sources, shoot_sources
@@ -18,6 +19,7 @@ from labcal.paths import AnyPath, as_path
 from labcal.public_object import PublicObject
 from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
+from labcal.shoot.raw_pictures import RAW_SUFFIXES, parse_raw_format
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.code_text import PrintedTarget
 from labcal.targets.kept_target import kept_target
@@ -92,7 +94,9 @@ AnyPictures = PictureSet | Shoot | AnyPath | Sequence[AnyPath]
 """Pictures as public functions take them: a shoot, or paths of pictures and folders."""
 
 
-def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None = None) -> PictureSet:
+def open_pictures(
+    pictures: AnyPictures, cameras: Mapping[str, str] | str | None = None, raw: str | None = None
+) -> PictureSet:
     """Return the pictures of a shoot, or loose ones, with the cameras that took them.
 
     Parameters
@@ -102,6 +106,10 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
     cameras : mapping of str to str, or str, optional
         Cameras of loose pictures by the end of the name, or by a pattern: ``"_0=left,_1=right"``; see
         :func:`~labcal.correspond.sources.parse_camera_endings`.
+    raw : str, optional
+        Pixel format of loose pictures that hold a mosaic, or have no header: ``"BayerRG8"``,
+        ``"Mono12p:1280x1024"``; see :func:`~labcal.shoot.raw_pictures.parse_raw_format`. Of a folder without
+        pictures, the files that end in .raw or .bin are then read.
 
     Returns
     -------
@@ -130,6 +138,10 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
         return pictures
     shoot = _shoot(pictures)
     if shoot is not None:
+        if raw is not None:
+            raise InputError(
+                "`raw` is for loose pictures; a shoot has pictures that state their form. Leave it out."
+            )
         if cameras is not None:
             raise InputError(
                 "`cameras` is for loose pictures; a shoot names the camera of each. Leave it out."
@@ -138,11 +150,26 @@ def open_pictures(pictures: AnyPictures, cameras: Mapping[str, str] | str | None
     paths = _texts(pictures)
     if not paths:
         raise InputError("No picture is given. Give a shoot, or pictures and folders of pictures.")
+    form = None if raw is None else parse_raw_format(one_text(raw, "raw"))
+    paths = paths if form is None else with_raw_files(paths)
     endings = {} if cameras is None else camera_endings(cameras)
     left_out = tuple(left_out_words(paths))
-    text = ",".join(f"{ending}={camera}" for ending, camera in endings.items())
-    sources = tuple(find_sources(paths, endings))
+    text = ",".join(
+        ending if camera == CAMERA else f"{ending}={camera}" for ending, camera in endings.items()
+    )
+    sources = tuple(replace(source, raw=form) for source in find_sources(paths, endings))
     return PictureSet(sources, None, _name(paths[0]), tuple(paths), left_out, text)
+
+
+def with_raw_files(paths: Sequence[str]) -> list[str]:
+    """Return paths with the files without a header in place of folders that have such ones."""
+    found: list[str] = []
+    for path in paths:
+        folder = Path(path)
+        entries = sorted(folder.iterdir()) if folder.is_dir() else []
+        files = [str(entry) for entry in entries if entry.suffix.lower() in RAW_SUFFIXES]
+        found += files or [path]
+    return found
 
 
 def target_shown(

@@ -10,7 +10,6 @@ _SHOWN = 3
 _OTHER = frozenset(
     [
         ".gif",
-        ".webp",
         ".heic",
         ".heif",
         ".hif",
@@ -20,10 +19,6 @@ _OTHER = frozenset(
         ".jxl",
         ".jfif",
         ".jpe",
-        ".pgm",
-        ".ppm",
-        ".pbm",
-        ".pnm",
         ".pam",
         ".pfm",
         ".hdr",

@@ -1,5 +1,6 @@
 """Sources of pictures: a shoot, or loose files whose names give view and camera."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,14 +8,19 @@ from pathlib import Path
 import numpy as np
 
 from labcal.arguments import one_text, wrong_type
-from labcal.correspond.name_patterns import ANY, best_pattern, view_in
+from labcal.correspond.name_patterns import ANY, CAMERA, VIEW, best_pattern, camera_in, view_in
 from labcal.correspond.named_cameras import named_cameras
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.run.names import differ_in_case, is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.pictures import SUFFIXES, read_picture
+from labcal.shoot.raw_pictures import RawFormat, read_raw_picture
 from labcal.wording import clipped, has_control, listed, printable
+
+_ENDINGS_SHOWN = 8
+_LEVELS = 2
+"""Folders within a folder in which pictures are looked for."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +33,8 @@ class Source:
     """The path as given."""
     size: tuple[int, int] | None
     """Size that the shoot states; None for a loose picture."""
+    raw: RawFormat | None = None
+    """The pixel format, where the file does not tell it."""
 
     def __post_init__(self) -> None:
         """Refuse a name that no table can hold, and that a terminal would obey."""
@@ -44,7 +52,7 @@ class Source:
         InputError
             It cannot be read, or is not of the size that the shoot states.
         """
-        picture = read_picture(Path(self.image))
+        picture = read_picture(self.image) if self.raw is None else read_raw_picture(self.image, self.raw)
         size = (picture.shape[1], picture.shape[0])
         if self.size is not None and size != self.size:
             raise InputError(
@@ -58,13 +66,16 @@ def parse_camera_endings(text: str) -> dict[str, str]:
     """Return camera by ending or pattern of the file name, from text like ``_0=left,_1=right``.
 
     In a pattern ``*`` stands for what the view is called: ``left*=left,right*=right`` or, of folders,
-    ``LEFT/*=left,RIGHT/*=right``. ``*=camera`` says that all pictures are of one camera.
+    ``LEFT/*=left,RIGHT/*=right``. ``*=camera`` says that all pictures are of one camera. One pattern with
+    named parts tells all cameras: ``shot_{view}_cam{camera}_x`` or ``{camera}/{view}``.
 
     Raises
     ------
     InputError
         The text is not of that form.
     """
+    if CAMERA in text:
+        return {_named_parts(text): CAMERA}
     endings = {}
     for part in text.split(","):
         ending, equals, camera = part.partition("=")
@@ -75,6 +86,22 @@ def parse_camera_endings(text: str) -> dict[str, str]:
             )
         endings[ending] = camera
     return endings
+
+
+def _named_parts(pattern: str) -> str:
+    """Return a pattern with the view and the camera as named parts, checked."""
+    others = pattern.replace(VIEW, "\0").replace(ANY, "\0")
+    if pattern.count(CAMERA) != 1 or "\0" not in others:
+        raise InputError(
+            "A pattern with named parts has {camera} once, and {view} for the rest that differs, as in "
+            f"'shot_{{view}}_cam{{camera}}', but got '{pattern}'."
+        )
+    if f"{CAMERA}\0" in others or f"\0{CAMERA}" in others:
+        raise InputError(
+            f"In '{pattern}' nothing stands between {{camera}} and {{view}}, so that it is open where one "
+            "ends. Write what is between them, or name each camera: 'left*=left,right*=right'."
+        )
+    return pattern
 
 
 def camera_endings(cameras: Mapping[str, str] | str) -> dict[str, str]:
@@ -91,6 +118,8 @@ def camera_endings(cameras: Mapping[str, str] | str) -> dict[str, str]:
         return parse_camera_endings(cameras)
     if not isinstance(cameras, Mapping):
         raise wrong_type(cameras, "a mapping of endings to names, or a text", "cameras")
+    if list(cameras.values()) == [CAMERA]:
+        return {_named_parts(one_text(ending, "cameras")): CAMERA for ending in cameras}
     for ending, camera in cameras.items():
         if not (one_text(ending, "cameras") and is_name(one_text(camera, "cameras"))):
             raise InputError(
@@ -139,7 +168,9 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
                 "Give them different names, or distinguish the cameras with `cameras='_0=left,_1=right'`."
             )
     if not sources:
-        raise InputError(f"There are no pictures ({', '.join(sorted(SUFFIXES))}) in {listed(paths)}.")
+        raise InputError(
+            f"There are no pictures ({', '.join(sorted(SUFFIXES))}) in {listed(paths)}{_endings_seen(paths)}."
+        )
     for kind in ("view", "camera"):
         alike = differ_in_case(dict.fromkeys(str(getattr(source, kind)) for source in sources.values()))
         if alike is not None:
@@ -175,11 +206,20 @@ def loose_source(image: str, endings: Mapping[str, str]) -> Source:
         return Source(Path(image).stem, "camera", image, None)
     pattern = best_pattern(image, endings)
     if pattern is None:
-        fits = "fits" if any(ANY in known for known in endings) else "ends in"
+        fits = (
+            "fits" if any(mark in known for known in endings for mark in (ANY, VIEW, CAMERA)) else "ends in"
+        )
         raise InputError(
             f"The name of {image} {fits} none of {', '.join(endings)}, so its camera is not known."
         )
-    return Source(view_in(image, pattern) or "", endings[pattern], image, None)
+    camera = camera_in(image, pattern, endings[pattern])
+    if not is_name(camera):
+        raise InputError(
+            f"By '{pattern}' the camera of {image} is called '{clipped(printable(camera))}', but names of "
+            "cameras are of letters, digits and hyphens. Put what is constant into the pattern, or name each "
+            "camera: 'left*=left,right*=right'."
+        )
+    return Source(view_in(image, pattern) or "", camera, image, None)
 
 
 def _files(paths: Sequence[str]) -> list[str]:
@@ -195,12 +235,37 @@ def _files(paths: Sequence[str]) -> list[str]:
     return found
 
 
+def _endings_seen(paths: Sequence[str]) -> str:
+    """Return the endings of the files in folders, the most frequent ones first, for a message."""
+    entries = [
+        entry
+        for given in paths
+        if Path(given).is_dir()
+        for folder in picture_folders(given)
+        for entry in folder.iterdir()
+        if entry.is_file()
+    ]
+    endings = Counter(entry.suffix.lower() or "without an ending" for entry in entries)
+    if not endings:
+        return ": no file is there"
+    seen = [f"{count} {ending}" for ending, count in endings.most_common()]
+    return f": the files there are {listed(seen, _ENDINGS_SHOWN)}"
+
+
 def picture_folders(folder: AnyPath) -> list[Path]:
-    """Return the folders whose pictures a folder stands for: itself, or those in it where it has none."""
-    folder = as_path(folder)
-    if _pictures_in(folder):
-        return [folder]
-    return [folder, *(entry for entry in sorted(folder.iterdir()) if entry.is_dir())]
+    """Return the folders whose pictures a folder stands for.
+
+    Itself; or those in it where it has no picture; or those in them, as ``cam0/data/0001.png``, where these
+    have none either.
+    """
+    level = [as_path(folder)]
+    every = list(level)
+    for _ in range(_LEVELS):
+        if any(_pictures_in(one) for one in level):
+            return level
+        level = [entry for one in level for entry in sorted(one.iterdir()) if entry.is_dir()]
+        every += level
+    return level if any(_pictures_in(one) for one in level) else every
 
 
 def _pictures_in(folder: Path) -> list[str]:

@@ -1,11 +1,12 @@
 """From a picture of a ChArUco board to its corners: markers by OpenCV, places by a fit of our own."""
 
-import cv2
 import numpy as np
 
 from labcal.detect.corners.corner_fit import CornerFit, is_cut
 from labcal.detect.corners.corners import Corners, measured_corners
 from labcal.detect.corners.edge_waves import wavelengths
+from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
+from labcal.detect.corners.markers_elsewhere import why_not_in_place
 from labcal.detect.dots import PictureDots
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.outline_noise import beside_flat_parts, smooth_wave_ratio
@@ -17,8 +18,8 @@ from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.targets.charuco import CharucoBoard
-from labcal.targets.charuco_opencv import opencv_board
 from labcal.targets.grid import Polarity
+from labcal.wording import counted
 
 _SHADINGS = 1.3  # of a fit's four for the light, spent on the flat parts: a third of its pixels
 
@@ -26,8 +27,9 @@ _SHADINGS = 1.3  # of a fit's four for the light, spent on the flat parts: a thi
 def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> PictureDots:
     """Find the board's corners in one picture.
 
-    A corner is known where OpenCV recognises the markers beside it, or by its place among corners that are.
-    Where it is, the two edges that cross there determine (:mod:`labcal.detect.corners.corners`).
+    OpenCV reads the markers. Those that agree place the board, and with it the corners beside them; further
+    corners are found by their place among those. Where a corner is, the two edges that cross there determine
+    (:mod:`labcal.detect.corners.corners`).
 
     Parameters
     ----------
@@ -41,41 +43,47 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     -------
     PictureDots
         Without outlines; a corner that is known by its markers and cannot be measured is flagged ``bad-fit``,
-        or ``cut`` at the frame. Refused where no marker is recognised, or not in the board's places, where
+        or ``cut`` at the frame. Refused where no two markers are read in the board's places, where
         fewer than four corners, or corners of one line only, are measured, and where they lie on no smooth
         surface.
     """
-    found = _recognised(grey, board, settings.corner)
-    if isinstance(found, Refusal):
-        return _collect(Corners.none(), grey, found, settings)
+    seen = _read(grey, board, settings.corner)
+    placed = markers_in_place(seen, board, settings.corner)
+    if len(placed.number) == 0:
+        refusal, detail = why_not_in_place(seen, board, settings.corner)
+        return _collect(Corners.none(), grey, settings).refused(refusal, detail)
+    rough = corners_beside(placed, board)
+    found = Corners(rough.index, rough.q, [None] * len(rough.index), rough.axes)
     corners = measured_corners(grey, board, found, settings)
+    further = {(int(i), int(j)) for i, j in rough.index[~rough.beside]}
+    kept = [
+        fit is not None or (int(i), int(j)) not in further
+        for fit, (i, j) in zip(corners.fits, corners.index, strict=True)
+    ]
+    corners = corners.select(np.flatnonzero(kept))
+    corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
+    dots = _collect(corners, grey, settings)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not found.spans_a_plane() or not corners.select(ok).spans_a_plane():
-        return _collect(corners, grey, Refusal.TOO_FEW_DOTS, settings)
+        whole = np.array([flag is not DotFlag.CUT for flag in dots.flag], dtype=bool)
+        torn = found.spans_a_plane() and corners.select(np.flatnonzero(whole)).spans_a_plane()
+        detail = f"{counted(len(placed.number), 'marker')} of {board.marker_count} and {len(ok)} of its "
+        detail += f"{board.count} corners were found."
+        return dots.refused(Refusal.TORN_CORNERS if torn else Refusal.TOO_FEW_DOTS, detail)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     smooth = is_smooth(lattice, corners.seen_at, settings.grid)
-    return _collect(corners, grey, None if smooth else Refusal.GRID_INCONSISTENT, settings)
+    return dots if smooth else dots.refused(Refusal.GRID_INCONSISTENT)
 
 
-def _recognised(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings) -> Corners | Refusal:
-    """Return the corners that OpenCV knows by their markers, roughly in place."""
+def _read(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings) -> SeenMarkers:
+    """Read the markers of the board's dictionary, in a picture as bytes; none in a small or even one."""
     cut = settings.range_cut_percent
     large_enough = min(grey.shape) >= settings.min_picture_px
     low, high = np.percentile(grey, [cut, 100.0 - cut]) if large_enough else (0.0, 0.0)
     if high <= low:
-        return Refusal.NO_MARKERS
+        return SeenMarkers.none()
     bytes_ = np.clip((grey - low) * (255.0 / (high - low)), 0, 255).astype(np.uint8)
-    parameters = cv2.aruco.DetectorParameters()
-    parameters.minMarkerPerimeterRate = min(0.03, 4.0 * settings.min_marker_px / max(grey.shape))
-    detector = cv2.aruco.CharucoDetector(opencv_board(board), detectorParams=parameters)
-    corners, ids, _, marker_ids = detector.detectBoard(bytes_)
-    markers = 0 if marker_ids is None else len(marker_ids)
-    if markers == 0:
-        return Refusal.NO_MARKERS
-    if ids is None or len(ids) == 0:
-        return Refusal.OTHER_BOARD if markers >= settings.other_board_markers else Refusal.TOO_FEW_DOTS
-    index = board.from_opencv(np.asarray(ids, dtype=np.int64).ravel())
-    return Corners(index, np.asarray(corners, dtype=np.float64).reshape(-1, 2), [None] * len(index))
+    return seen_markers(bytes_, board, settings)
 
 
 def _factor(fits: list[CornerFit], settings: EdgeSettings) -> float:
@@ -88,16 +96,13 @@ def _factor(fits: list[CornerFit], settings: EdgeSettings) -> float:
     return beside_flat_parts(ratio, error, flat, settings)
 
 
-def _collect(
-    corners: Corners, grey: GreyPicture, refusal: Refusal | None, settings: DetectSettings
-) -> PictureDots:
-    """Put the corners into arrays, row by row."""
-    corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
+def _collect(corners: Corners, grey: GreyPicture, settings: DetectSettings) -> PictureDots:
+    """Put the corners into arrays."""
     n = len(corners.fits)
     factor = _factor([fit for fit in corners.fits if fit is not None], settings.edge)
     missing = np.full((2, 2), np.nan)
     covariance = [missing if fit is None else factor * fit.covariance for fit in corners.fits]
-    dots = PictureDots(
+    return PictureDots(
         size=(grey.shape[1], grey.shape[0]),
         polarity=Polarity.BLACK_ON_WHITE,
         refusal=None,
@@ -119,4 +124,3 @@ def _collect(
         seen_at=corners.seen_at,
         outline=np.full((n, 2, 2), np.nan),
     )
-    return dots if refusal is None else dots.refused(refusal)

@@ -13,6 +13,7 @@ from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.foreign_dots import require_detections
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.grid import Grid, find_grid
+from labcal.detect.lattice.marks_beside import dots_among, lines_seen
 from labcal.detect.lattice.missed import with_missed
 from labcal.detect.lattice.plain import continues_beyond_grid, with_symmetric_numberings
 from labcal.detect.lattice.prediction import Predictor
@@ -102,7 +103,10 @@ def _detect(
     candidates, grid = _search(grey, target, settings)
     if isinstance(grid, Refusal):
         refusal = cause(grid, grey, candidates.whole, settings)
-        return _collect(_unnamed(candidates.whole.joined(candidates.cut), set()), size, polarity, refusal)
+        seen = refusal is Refusal.AMBIGUOUS
+        detail = lines_seen(candidates.whole, target, settings.grid) if seen else ""
+        every = _unnamed(candidates.whole.joined(candidates.cut), set())
+        return replace(_collect(every, size, polarity, refusal), detail=detail)
     numbering = grid.numbering
     lattice, outlines = with_missed(grey, grid.lattice, numbering, candidates.whole, target, settings)
     predictor = Predictor(lattice, outlines, settings.grid)
@@ -113,9 +117,12 @@ def _detect(
         lambda node: target.holds(*numbering.index(node)),
         settings.quality,
     )
-    if target.rings is None and continues_beyond_grid(unmeasured, numbering, target, settings.grid):
-        every = candidates.whole.joined(candidates.cut)
-        return _collect(_unnamed(every, set()), size, polarity, Refusal.AMBIGUOUS)
+    if target.rings is None:
+        further = dots_among(unmeasured, predictor, candidates.whole, settings.grid)
+        if continues_beyond_grid(further, numbering, target, settings.grid):
+            every = _unnamed(candidates.whole.joined(candidates.cut), set())
+            detail = "The target's columns and rows were seen, and dots beyond them."
+            return replace(_collect(every, size, polarity, Refusal.AMBIGUOUS), detail=detail)
     spots = list(lattice.spots.values())
     ring = np.array([numbering.index(node) in target.ring_indices for node in lattice.spots])
     holes = np.where(ring, target.hole_share, 0.0)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
-from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.flags import DotFlag, Refusal, advice
 from labcal.targets.grid import Polarity
 
 
@@ -46,6 +46,8 @@ class PictureDots:
     others : tuple of ndarray of int, each of shape (n, 2)
         `index` under every other numbering that fits the picture as well: one of a plain grid that looks the
         same after half a turn, three of a square one; empty if the picture determines it.
+    detail : str
+        Sentence on what was seen where the picture is refused, for people; may be empty.
     """
 
     size: tuple[int, int]
@@ -60,11 +62,17 @@ class PictureDots:
     seen_at: Pixels
     outline: PixelCovariances
     others: tuple[Int[np.ndarray, "n 2"], ...] = ()
+    detail: str = ""
 
     @property
     def indexed(self) -> bool:
         """True if dots of this picture have ids."""
         return self.refusal is None
+
+    @property
+    def why(self) -> str:
+        """The reason of a refusal in sentences: what was seen, what is wrong and how to mend it; or empty."""
+        return "" if self.refusal is None else f"{self.detail} {advice(self.refusal)}".strip()
 
     def renumbered(self, which: int) -> "PictureDots":
         """Return the dots under one of the other numberings, by its number in `others`."""
@@ -77,12 +85,13 @@ class PictureDots:
             self.seen_at[order], self.outline[order], tuple(other[order] for other in others),
         )  # fmt: skip
 
-    def refused(self, refusal: Refusal) -> "PictureDots":
-        """Return the dots without ids and positions, for a reason."""
+    def refused(self, refusal: Refusal, detail: str = "") -> "PictureDots":
+        """Return the dots without ids and positions, for a reason, with a sentence on what was seen."""
         n = len(self.flag)
         return replace(
             self,
             refusal=refusal,
+            detail=detail,
             others=(),
             index=np.zeros((n, 2), dtype=np.int64),
             has_id=np.zeros(n, dtype=bool),

@@ -38,7 +38,7 @@ class Refusal(StrEnum):
     BLURRED = "blurred"
     """There are spots, but their edges are as wide as they are."""
     TOO_FEW_DOTS = "too-few-dots"
-    """Fewer dots than the three rings and their neighbours need."""
+    """Fewer dots, or corners, are in the frame than a grid needs."""
     NO_GRID = "no-grid"
     """There are dots, but they form no grid."""
     NO_RINGS = "no-rings"
@@ -51,6 +51,12 @@ class Refusal(StrEnum):
     """No marker of the target's dictionary is seen."""
     NO_CODED_DOTS = "no-coded-dots"
     """No coded dot of the target is read."""
+    MARKERS_UNREADABLE = "markers-unreadable"
+    """A marker or more are read, but not the two or more that place the board."""
+    OTHER_IDS = "other-ids"
+    """Markers of the target's dictionary are read, but most have ids that the target has not."""
+    TORN_CORNERS = "torn-corners"
+    """The board is placed by its markers, but nearly none of its corners can be measured."""
     OTHER_BOARD = "other-board"
     """Markers are seen, but not where the target has them."""
     MIRRORED = "mirrored"
@@ -99,6 +105,19 @@ _ADVICE = {
     Refusal.NO_CODED_DOTS: (
         "No coded dot of the target was read. Check that it is in the picture, sharp and not mirrored, that "
         "a dot is at least 10 px across, and that the target names the code and the marks of the print."
+    ),
+    Refusal.MARKERS_UNREADABLE: (
+        "Two markers or more, near to each other, must be read to place the board. Check that its codes are "
+        "clean, sharp and at least 15 px across, and that glare or dirt does not cover them."
+    ),
+    Refusal.OTHER_IDS: (
+        "The target does not have these markers. Name the board that is in the picture, or state the id of "
+        "its first marker, first_id, in the target's description."
+    ),
+    Refusal.TORN_CORNERS: (
+        "The markers place the board, but nearly none of its corners can be measured. Check that the "
+        "corners, where squares touch, are clean, sharp and not covered, and that marker_mm and square_mm "
+        "are those of the print."
     ),
     Refusal.OTHER_BOARD: (
         "Markers were found, but not in the places that the target gives them. Check its squares along x and "

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice.dot_shapes import without_deviating_shapes
 from labcal.detect.lattice.lattice import Lattice, find_lattices
+from labcal.detect.lattice.marks_beside import without_marks_beside
 from labcal.detect.lattice.numbering import AnyNumbering, number_lattice, numbering_refusal
 from labcal.detect.lattice.rough_undistortion import NONE, RoughUndistortion, fisheyes
 from labcal.detect.lattice.smoothness import is_smooth
@@ -75,6 +76,8 @@ def _find_through(
         return Refusal.TOO_FEW_DOTS
     found = find_lattices(outlines, target, lens, settings)
     lattices = [without_deviating_shapes(lattice, outlines, target, settings) for lattice in found]
+    if target.rings is None:
+        lattices = [without_marks_beside(lattice, outlines, target, settings) for lattice in lattices]
     outlines = lens.outlines(outlines)
     if not lattices:
         return Refusal.NO_GRID

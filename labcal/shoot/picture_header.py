@@ -1,5 +1,6 @@
 """The header of a picture file, read before anything is decoded."""
 
+import re
 import struct
 from enum import StrEnum
 from pathlib import Path
@@ -20,6 +21,8 @@ class PictureKind(StrEnum):
     JPEG = "JPEG"
     TIFF = "TIFF"
     BMP = "BMP"
+    PNM = "PGM or PPM"
+    WEBP = "WebP"
     EXR = "OpenEXR"
 
 
@@ -33,6 +36,11 @@ _BEGINNINGS = (
     (b"BM", PictureKind.BMP),
     (b"\x76\x2f\x31\x01", PictureKind.EXR),
 )
+_PNM = re.compile(rb"P[1-6](?:\s|#[^\n\r]*[\n\r])+(\d{1,9})(?:\s|#[^\n\r]*[\n\r])+(\d{1,9})\s")
+"""The beginning of a portable bitmap, graymap or pixmap: its kind, comments, width and height."""
+_PNM_HEADER = 4096  # bytes, comments included
+_WEBP = re.compile(rb"RIFF.{4}WEBPVP8[ LX]", re.DOTALL)
+_WEBP_HEADER = 30
 _BIG_TIFF = 43
 _WIDTH, _HEIGHT = 256, 257  # TIFF's tags
 _SHORT, _LONG, _LONG8 = 3, 4, 16  # and their types
@@ -43,11 +51,15 @@ _OS2_HEADER = 12
 
 def picture_kind(data: bytes) -> PictureKind | None:
     """Return the format of a file, or None if labcal does not read it."""
+    if _PNM.match(data[:_PNM_HEADER]):
+        return PictureKind.PNM
+    if _WEBP.match(data[:16]):
+        return PictureKind.WEBP
     return next((kind for beginning, kind in _BEGINNINGS if data.startswith(beginning)), None)
 
 
 def declared_size(data: bytes) -> tuple[int, int] | None:
-    """Return width and height (px) from the header of a PNG, JPEG, TIFF or BMP file.
+    """Return width and height (px) from the header of any file but OpenEXR's.
 
     Returns
     -------
@@ -59,6 +71,8 @@ def declared_size(data: bytes) -> tuple[int, int] | None:
         PictureKind.JPEG: _jpeg_size,
         PictureKind.TIFF: _tiff_size,
         PictureKind.BMP: _bmp_size,
+        PictureKind.PNM: _pnm_size,
+        PictureKind.WEBP: _webp_size,
     }
     reader = readers.get(picture_kind(data))  # type: ignore[arg-type]
     try:
@@ -154,3 +168,24 @@ def _bmp_size(data: bytes) -> tuple[int, int] | None:
     (length,) = struct.unpack_from("<I", data, 14)
     width, height = struct.unpack_from("<HH" if length == _OS2_HEADER else "<ii", data, 18)
     return (width, abs(height)) if width > 0 else None
+
+
+def _pnm_size(data: bytes) -> tuple[int, int] | None:
+    """Read width and height, which are written as text."""
+    found = _PNM.match(data[:_PNM_HEADER])
+    return None if found is None else (int(found[1]), int(found[2]))
+
+
+def _webp_size(data: bytes) -> tuple[int, int] | None:
+    """Read the first chunk: of a lossy picture, of a lossless one, or of one with further chunks."""
+    form = data[12:16]
+    if len(data) < _WEBP_HEADER:
+        return None
+    if form == b"VP8X":
+        width, height = (int.from_bytes(data[at : at + 3], "little") + 1 for at in (24, 27))
+    elif form == b"VP8L":
+        (bits,) = struct.unpack_from("<I", data, 21)
+        width, height = (bits & 0x3FFF) + 1, (bits >> 14 & 0x3FFF) + 1
+    else:
+        width, height = (side & 0x3FFF for side in struct.unpack_from("<HH", data, 26))
+    return width, height

@@ -17,7 +17,9 @@ from labcal.shoot.library_messages import kept_messages
 from labcal.shoot.picture_header import PictureKind, declared_size, picture_kind, require_sensible_size
 from labcal.wording import clipped
 
-SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp"})
+_LOSSLESS = {".png", ".tif", ".tiff", ".exr", ".bmp", ".pgm", ".ppm", ".pbm", ".pnm"}
+SUFFIXES = frozenset({*_LOSSLESS, ".jpg", ".jpeg", ".webp"})
+"""Endings of the pictures that a folder stands for."""
 _WRITTEN = {
     ".png": PictureKind.PNG,
     ".jpg": PictureKind.JPEG,

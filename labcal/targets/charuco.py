@@ -90,6 +90,8 @@ class CharucoBoard(ScaledPrint):
     """Side of a marker."""
     dictionary: MarkerDictionary
     """OpenCV's name of the dictionary of the markers."""
+    first_id: Annotated[int, Field(ge=0, lt=10_000)] = 0
+    """Id of the first marker, at the upper left; the others count on, row by row."""
     pattern: Pattern = Pattern.CURRENT
     """Place of the black squares if the number of rows of squares is even."""
     margin_mm: Margin = 0.0
@@ -101,7 +103,12 @@ class CharucoBoard(ScaledPrint):
             raise ValueError("marker_mm must be smaller than square_mm, since markers lie in white squares")
         if self.marker_mm < LEAST_SHARE_OF_PITCH * self.square_mm:
             raise ValueError("marker_mm is next to nothing beside square_mm")
-        if self.marker_count > self.dictionary.size:
+        if self.first_id + self.marker_count > self.dictionary.size:
+            if self.marker_count <= self.dictionary.size:
+                raise ValueError(
+                    f"the board has markers {self.first_id} to {self.first_id + self.marker_count - 1}, but "
+                    f"{self.dictionary} ends at {self.dictionary.size - 1}: lower first_id"
+                )
             raise ValueError(
                 f"{self.squares[0]} x {self.squares[1]} squares take {self.marker_count} markers, but "
                 f"{self.dictionary} has {self.dictionary.size}: name a larger dictionary"
@@ -156,6 +163,8 @@ class CharucoBoard(ScaledPrint):
     def captions(self) -> tuple[str, str]:
         """Squares, markers and pattern; sizes."""
         pattern = f"{self.dictionary}, {self.pattern} pattern"
+        if self.first_id:
+            pattern += f", markers from {self.first_id}"
         return (
             f"{self.name}: {self.squares[0]} x {self.squares[1]} squares, {pattern}",
             f"squares {self.square_mm:.6g} mm, markers {self.marker_mm:.6g} mm",

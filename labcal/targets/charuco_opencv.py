@@ -33,7 +33,11 @@ def opencv_dictionary(name: MarkerDictionary) -> cv2.aruco.Dictionary:
 def opencv_board(board: CharucoBoard) -> cv2.aruco.CharucoBoard:
     """Return the board as OpenCV has it, in mm and in its own frame."""
     made = cv2.aruco.CharucoBoard(
-        board.squares, board.square_mm, board.marker_mm, opencv_dictionary(board.dictionary)
+        board.squares,
+        board.square_mm,
+        board.marker_mm,
+        opencv_dictionary(board.dictionary),
+        np.arange(board.first_id, board.first_id + board.marker_count, dtype=np.int32),
     )
     made.setLegacyPattern(board.pattern is Pattern.LEGACY)
     return made

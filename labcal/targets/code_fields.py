@@ -91,11 +91,13 @@ def _charuco_fields(board: CharucoBoard) -> list[str]:
         _dictionary_word(board.dictionary),
         _LETTERS[board.pattern],
         _number(board.margin_mm),
+        *([str(board.first_id)] if board.first_id else []),  # readers of before know boards from 0 on
     ]
 
 
 def _charuco(name: str, fields: Sequence[str]) -> CharucoBoard:
-    size, square, marker, dictionary, pattern, margin = _so_many(fields, 6)
+    further = len(fields) == 7  # noqa: PLR2004 -- the first id, where it is not 0
+    size, square, marker, dictionary, pattern, margin, *first = _so_many(fields, 6 + further)
     across, up = _wholes(size, "X", 2)
     known = {_dictionary_word(one): one for one in MarkerDictionary}
     if dictionary not in known:
@@ -110,6 +112,7 @@ def _charuco(name: str, fields: Sequence[str]) -> CharucoBoard:
             "dictionary": known[dictionary],
             "pattern": _word(pattern, Pattern),
             "margin_mm": _value(margin),
+            "first_id": _wholes(first[0], ".", 1)[0] if first else 0,
         }
     )
 

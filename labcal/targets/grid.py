@@ -12,6 +12,8 @@ from labcal.bounds import LEAST_SHARE_OF_PITCH, MOST_DOTS, Length, Margin
 from labcal.run.names import Name
 from labcal.targets.scaled_print import ScaledPrint
 
+_FEWEST_SHIFTED_ROWS = 3
+"""Of an asymmetric grid: in fewer no dot has neighbours on all four sides."""
 GridIndex = tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]]
 
 
@@ -105,6 +107,11 @@ class DotGrid(ScaledPrint):
     @model_validator(mode="after")
     def _fits_together(self) -> "DotGrid":
         self._check_rings()
+        if self.layout is Layout.ASYMMETRIC and self.rows < _FEWEST_SHIFTED_ROWS:
+            raise ValueError(
+                f"an asymmetric grid of {self.rows} rows is not found in pictures: give it "
+                f"{_FEWEST_SHIFTED_ROWS} rows or more"
+            )
         if self.layout is Layout.ASYMMETRIC and not math.isclose(self.pitch_x_mm, 2.0 * self.pitch_y_mm):
             raise ValueError(
                 "the rows of an asymmetric grid are half a pitch_x_mm apart: pitch_y_mm should be "

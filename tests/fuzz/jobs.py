@@ -134,7 +134,7 @@ JOBS: tuple[Job, ...] = (
     *(Job(method, f"{method}.safetensors", "model", _RECONSTRUCT, "out.csv") for method in method_names()),
     *(Job(f"picture {file}", file, "bytes",
           ("detect", "{file}", "--target", _TARGET, "--workers", "1", "-o", "out.csv"))
-      for file in ("p.png", "p.jpg", "p.bmp", "p.tif", "strips.tif", "p.exr")),
+      for file in ("p.png", "p.jpg", "p.bmp", "p.tif", "strips.tif", "p.exr", "p.pgm", "p.webp")),
     Job("picture to inspect", "p.png", "bytes",
         ("inspect", "{file}", "--target", _TARGET, "--workers", "1", "-o", "out.png"), weight=1),
     Job("results", "results/results.json", "json", ("report", "{seeds}/results"), weight=3),

@@ -197,7 +197,7 @@ def _pictures(home: Path) -> None:
     for col in range(6):
         for row in range(4):
             cv2.circle(grey, (16 + 18 * col, 16 + 20 * row), 6, 20, -1, cv2.LINE_AA)
-    for ending in ("png", "jpg", "bmp", "tif"):
+    for ending in ("png", "jpg", "bmp", "tif", "pgm", "webp"):
         (home / f"p.{ending}").write_bytes(cv2.imencode(f".{ending}", grey)[1].tobytes())
     (home / "frame_left.png").write_bytes(
         cv2.imencode(".png", np.full(SIZE[::-1], 90, dtype=np.uint8))[1].tobytes()

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float64, Int
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
@@ -31,11 +31,15 @@ class Corners:
         Where they are, px: as fitted, or roughly.
     fits : list of CornerFit or None, length n
         None where a corner is not measured.
+    axes : ndarray, shape (n, 2, 2), or None
+        Columns: one square along x and y at every corner, px; None where that is to be found from the
+        corners.
     """
 
     index: Int[np.ndarray, "n 2"]
     seen_at: Pixels
     fits: list[CornerFit | None]
+    axes: Float64[np.ndarray, "n 2 2"] | None = None
 
     @classmethod
     def none(cls) -> "Corners":
@@ -88,9 +92,10 @@ def measured_corners(
     if not rough.spans_a_plane():
         return rough
     search = _Search(grey, board, settings.corner)
+    axes_all = _axes(rough) if rough.axes is None else rough.axes
     fits = [
         fit_corner(grey, search.surroundings((int(i), int(j)), place, axes), settings.corner)
-        for (i, j), place, axes in zip(rough.index, rough.seen_at, _axes(rough), strict=True)
+        for (i, j), place, axes in zip(rough.index, rough.seen_at, axes_all, strict=True)
     ]
     standard = _Standard.of(fits)
     fits = [standard.met_by(fit, settings.corner) for fit in fits]

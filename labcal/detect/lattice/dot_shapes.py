@@ -31,20 +31,22 @@ def deviating_shapes(
     quality = settings.quality
     interior = predictor.neighbours() >= quality.interior_neighbours
     limit = np.where(interior, quality.max_shape_log, quality.max_rim_shape_log)
-    return _off(predictor, outlines, target, settings.grid) > limit
+    return shape_deviations(predictor, outlines, target, settings.grid) > limit
 
 
 def without_deviating_shapes(
     lattice: Lattice, outlines: Outlines, target: DotGrid, settings: GridSettings
 ) -> Lattice:
     """Return a lattice without spots whose shapes deviate very much, as if it skips every other dot."""
-    off = _off(Predictor(lattice, outlines, settings), outlines, target, settings)
+    off = shape_deviations(Predictor(lattice, outlines, settings), outlines, target, settings)
     deviating = off > settings.max_lattice_shape_log
     kept = {node: spot for (node, spot), out in zip(lattice.spots.items(), deviating, strict=True) if not out}
     return Lattice(kept, lattice.undistortion) if kept else lattice
 
 
-def _off(predictor: Predictor, outlines: Outlines, target: DotGrid, settings: GridSettings) -> np.ndarray:
+def shape_deviations(
+    predictor: Predictor, outlines: Outlines, target: DotGrid, settings: GridSettings
+) -> np.ndarray:
     """Return by how much a semi-axis is off, in its logarithm, less what pixels do; 0 if undetermined."""
     spots = list(predictor.lattice.spots.values())
     found = predictor.shapes_in_steps(outlines)

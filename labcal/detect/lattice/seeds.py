@@ -7,7 +7,10 @@ import numpy as np
 from labcal.detect.outlines.outlines import Outlines, geometric_mean, matrix_root
 from labcal.detect.stage_settings.grid import GridSettings
 from labcal.geometry.two_by_two import inverses
-from labcal.targets.grid import DotGrid
+from labcal.targets.grid import DotGrid, Layout
+
+_FLAT_ROWS = 3
+"""Rows of an asymmetric grid of which a cross has corners within its own row alone."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,10 @@ def seed_at(
     if len(arms) < 2:  # noqa: PLR2004 - an arm and its opposite
         return None
     expected = abs(float(np.log(target.cell_mm[0] / target.cell_mm[1])))
-    pair = _full_cross(arms, present, expected, settings) or _half_cross(arms, present, expected, settings)
+    corners = 2 if target.layout is Layout.ASYMMETRIC and target.rows <= _FLAT_ROWS else 3
+    pair = _full_cross(arms, present, (expected, corners), settings) or _half_cross(
+        arms, present, expected, settings
+    )
     residual = settings.seed_residual_steps
     if pair is None or _is_coarse(pair.first, pair.second, present, residual):
         return None
@@ -76,15 +82,20 @@ class _Pair:
 
 
 def _full_cross(
-    arms: np.ndarray, present: np.ndarray, expected: float, settings: GridSettings
+    arms: np.ndarray, present: np.ndarray, wanted: tuple[float, int], settings: GridSettings
 ) -> _Pair | None:
-    """Return the smallest pair of arms, square to each other, with spots opposite and at three corners."""
+    """Return the smallest pair of arms, square to each other, with spots opposite and at the corners.
+
+    `wanted` is the expected log ratio of the steps, and the number of corners: one of four may be missing,
+    and of an asymmetric grid with three rows the two across them are.
+    """
+    expected, count = wanted
     opposite = _nearest_distance(-arms, present) / np.linalg.norm(arms, axis=1)
     corners = [
         _corner_residual(first * arms, second * arms, present) for first in (1, -1) for second in (1, -1)
     ]
-    third_best = np.sort(np.stack(corners), axis=0)[2]  # one corner may be missing
-    misfit = np.maximum(np.maximum(opposite[:, None], opposite[None, :]), third_best)
+    worst = np.sort(np.stack(corners), axis=0)[count - 1]
+    misfit = np.maximum(np.maximum(opposite[:, None], opposite[None, :]), worst)
     return _smallest(arms, arms, misfit, expected, settings)
 
 

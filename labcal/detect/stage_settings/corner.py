@@ -28,8 +28,15 @@ class CornerSettings(StageSettings):
         6,
         ge=2,
         le=1000,
-        description="Number of markers without a corner between them that prove another board. Larger: "
+        description="Number of markers that do not agree with the board that prove another one. Larger: "
         "'other-board' is rarer.",
+    )
+    max_marker_residual_squares: float = Field(
+        0.25,
+        gt=0,
+        lt=0.5,
+        description="Most distance of a marker's corners from where its neighbours predict them. Larger: "
+        "more markers count on a bent board, and wrong ones.",
     )
     range_cut_percent: float = Field(
         0.1,

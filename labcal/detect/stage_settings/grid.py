@@ -231,6 +231,13 @@ class GridSettings(StageSettings):
         description="Part of each outermost row and column that a grid without rings must show. Larger: "
         "more refusals.",
     )
+    max_mark_shape_log: float = Field(
+        0.15,
+        gt=0,
+        le=5,
+        description="Log of the ratio of a semi-axis to the usual one from which a spot outside a grid "
+        "without rings is a mark and no dot. Larger: letters beside a grid count as dots.",
+    )
     max_dots_beyond: int = Field(
         1,
         ge=0,

@@ -39,6 +39,7 @@ SETTINGS: dict[str, tuple[type, ...]] = {
 
 Place = tuple[Callable[..., Any], str]
 CAMERAS: Place = (pipeline.open_pictures, "cameras")
+RAW: Place = (pipeline.open_pictures, "raw")
 CHANGES: Place = (pipeline.detect_settings, "words")
 WORKERS: Place = (pipeline.detect, "workers")
 TARGET: Place = (labcal.Shoot.showing, "target")
@@ -54,12 +55,14 @@ ELSEWHERE: dict[str, dict[str, Place | str]] = {
     },
     "inspect": {
         "cameras": CAMERAS,
+        "raw": RAW,
         "changes": CHANGES,
         "output": "page",
         "force": (Inspection.save, "force"),
     },
     "detect": {
         "cameras": CAMERAS,
+        "raw": RAW,
         "changes": CHANGES,
         "overlay": (pipeline.write_overlays, "folder"),
         "print_scale": (labcal.Shoot.with_print_scale, "print_scale"),

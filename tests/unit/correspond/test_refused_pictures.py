@@ -35,12 +35,12 @@ def test_a_reason_that_names_its_picture_is_the_same_of_another() -> None:
 
 
 def test_pictures_of_other_formats_are_told_with_how_to_convert_them(tmp_path: Path) -> None:
-    for name in ("a.gif", "b.GIF", "c.webp", "d.CR2", "e.png", "f.txt"):
+    for name in ("a.gif", "b.GIF", "c.jp2", "d.CR2", "e.png", "f.txt"):
         (tmp_path / name).write_bytes(b"x")
     (tmp_path / "inside").mkdir()
     (tmp_path / "inside" / "g.heic").write_bytes(b"x")  # not looked at: there are pictures beside it
     other, raw = left_out_words([str(tmp_path)])
-    assert other.startswith("3 pictures left out, since files that end in .gif, .webp are not read: ")
+    assert other.startswith("3 pictures left out, since files that end in .gif, .jp2 are not read: ")
     assert "-format png" in other
     assert "g.heic" not in other
     assert raw.startswith("1 picture left out, since files that end in .cr2 are not read: ")

@@ -230,3 +230,76 @@ def test_a_corner_of_the_wrong_colours_is_none() -> None:
     assert sound is not None
     assert sound.centre == pytest.approx([15.3, 14.8], abs=2e-3)
     assert fitted(-1) is None
+
+
+def with_worn_codes(T: np.ndarray, kept: set[int], board=BOARD) -> np.ndarray:  # type: ignore[no-untyped-def]  # noqa: ANN001 - a target
+    """Return the picture of a board whose codes are rubbed to an even grey, but for some."""
+    picture, half = draw(T, board), 0.36 * board.marker_mm
+    places = opencv_board(board).getObjPoints()
+    for number, corners in enumerate(places):
+        if number in kept:
+            continue
+        middle = board.points_from_opencv(np.asarray(corners, dtype=np.float64)).mean(axis=0)
+        square = middle + half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+        q, _ = cv2.projectPoints(square, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], K, DIST)
+        cv2.fillConvexPoly(picture, np.round(q[:, 0] * 16).astype(np.int32), 110.0, cv2.LINE_AA, 4)
+    return as_bytes(picture)
+
+
+@pytest.mark.parametrize("kept", [{0, 5, 11, 16}, {1, 8, 9, 14}, {2, 13}])
+def test_a_few_markers_that_no_corner_has_two_of_place_the_whole_board(kept: set[int]) -> None:
+    T = pose(24, -18, 130)
+    picture = with_worn_codes(T, kept)
+    read = cv2.aruco.CharucoDetector(opencv_board(BOARD)).detectBoard(picture)
+    assert set(read[3].ravel().tolist()) == kept  # OpenCV reads no other one
+    dots = detect_dots(picture, BOARD)
+    assert np.array_equal(dots.index[dots.ok], BOARD.indices())
+    assert np.abs(errors(dots, T)).max() < 0.06
+
+
+def test_a_single_marker_places_no_board_and_is_told_so() -> None:
+    dots = detect_dots(with_worn_codes(pose(10, 15, 20), {7}), BOARD)
+    assert dots.refusal is Refusal.MARKERS_UNREADABLE
+    assert dots.why.startswith("1 marker of the board's 17 was read. Two markers or more")
+    assert not dots.has_id.any()
+
+
+def test_boards_may_begin_with_any_marker() -> None:
+    board = BOARD.model_copy(update={"first_id": 31})
+    T = pose(-20, 25, 75)
+    picture = as_bytes(draw(T, board))
+    dots = detect_dots(picture, board)
+    assert np.array_equal(dots.index[dots.ok], BOARD.indices())
+    assert np.abs(errors(dots, T)).max() < 0.06
+    other = detect_dots(picture, BOARD)
+    assert other.refusal is Refusal.OTHER_IDS
+    assert other.why.startswith("Markers 31 to 4")
+    assert "of DICT_5X5_100 were read; the target has 0 to 16." in other.why
+    assert "first_id: 31" in other.why
+    # Half of the ids are those of the target, on squares of which it has other ones.
+    near = detect_dots(picture, BOARD.model_copy(update={"first_id": 24}))
+    assert near.refusal is Refusal.OTHER_IDS
+    assert "first_id: 31" in near.why
+
+
+def test_boards_of_another_number_of_squares_are_not_numbered_by_the_rows_that_agree() -> None:
+    """Rows of an odd board in the other pattern agree with the target's, moved by a square, but for one."""
+    shown = BOARD.model_copy(update={"squares": (7, 4), "pattern": Pattern.LEGACY})
+    for squares in ((7, 4), (6, 5), (8, 4), (5, 7)):
+        named = BOARD.model_copy(update={"squares": squares})
+        dots = detect_dots(as_bytes(draw(pose(15, -10, 40), shown)), named)
+        assert dots.refusal in (Refusal.OTHER_BOARD, Refusal.OTHER_IDS)
+        assert not dots.has_id.any()
+
+
+def test_corners_that_are_covered_are_told_from_a_board_that_is_not_in_the_frame() -> None:
+    T = pose(10, 5, 15)
+    picture = draw(T)
+    q, _ = cv2.projectPoints(BOARD.points(), cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], K, DIST)
+    for x, y in q[:, 0]:
+        cv2.circle(picture, (round(float(x)), round(float(y))), 5, 120.0, -1)
+    torn = detect_dots(as_bytes(picture), BOARD)
+    assert torn.refusal is Refusal.TORN_CORNERS
+    assert "17 markers of 17 and 0 of its 24 corners were found." in torn.why
+    cut = detect_dots(np.ascontiguousarray(as_bytes(draw(T))[:, :128]), BOARD)
+    assert cut.refusal is Refusal.TOO_FEW_DOTS

@@ -29,6 +29,71 @@ def test_lossless_pictures_read_back_exactly(tmp_path: Path, ending: str, pictur
     np.testing.assert_array_equal(back, picture)
 
 
+@pytest.mark.parametrize(
+    ("header", "depth", "picture"),
+    [
+        (b"P5\n60 40\n255\n", ">u1", GREY),
+        (b"P5 # a camera wrote this\n# 12 34\n60 40\n4095\n", ">u2", DEEP % 4096),
+        (b"P6\n60\t40 65535\n", ">u2", DEEP_COLOUR),
+        (b"P6\n60 40\n255\n", ">u1", COLOUR),
+    ],
+    ids=["grey", "12 bits, with comments", "colour in 16 bits", "colour"],
+)
+def test_portable_pictures_keep_their_values(
+    tmp_path: Path, header: bytes, depth: str, picture: np.ndarray
+) -> None:
+    (tmp_path / "a.pgm").write_bytes(header + picture.astype(depth).tobytes())
+    back = read_picture(tmp_path / "a.pgm")
+    assert back.dtype == picture.dtype
+    np.testing.assert_array_equal(back, picture)
+
+
+def test_text_and_bits_are_portable_pictures_too(tmp_path: Path) -> None:
+    words = "\n".join(" ".join(map(str, row)) for row in (DEEP % 1024).tolist())
+    (tmp_path / "a.pgm").write_text(f"P2\n60 40\n1023\n{words}\n")
+    np.testing.assert_array_equal(read_picture(tmp_path / "a.pgm"), DEEP % 1024)
+    bits = GREY[:, :56] < 128
+    (tmp_path / "a.pbm").write_bytes(b"P4\n56 40\n" + np.packbits(bits, axis=1).tobytes())
+    np.testing.assert_array_equal(read_picture(tmp_path / "a.pbm"), np.where(bits, 0, 255))
+
+
+def test_webp_without_loss_is_read_exactly(tmp_path: Path) -> None:
+    Image.fromarray(COLOUR).save(tmp_path / "a.webp", lossless=True)
+    np.testing.assert_array_equal(read_picture(tmp_path / "a.webp"), COLOUR)
+    Image.fromarray(np.full((40, 60), 90, dtype=np.uint8)).save(tmp_path / "b.webp", quality=90)
+    assert abs(read_picture(tmp_path / "b.webp").astype(float) - 90).max() <= 2
+
+
+def test_12_bits_packed_in_a_tiff_keep_their_order_of_light(tmp_path: Path) -> None:
+    """Two pixels in three bytes, the upper bits first, as TIFF 6.0 packs them; read in the range of 16."""
+    values = (DEEP % 4096).ravel().astype(np.uint32)
+    pairs = values.reshape(-1, 2)
+    packed = np.stack(
+        [pairs[:, 0] >> 4, (pairs[:, 0] & 15) << 4 | pairs[:, 1] >> 8, pairs[:, 1] & 255], axis=1
+    )
+    data = packed.astype(np.uint8).tobytes()
+    tags = [
+        (256, 60),
+        (257, 40),
+        (258, 12),
+        (259, 1),
+        (262, 1),
+        (273, 8),
+        (277, 1),
+        (278, 40),
+        (279, len(data)),
+    ]
+    directory = b"".join(
+        tag.to_bytes(2, "little") + (4).to_bytes(2, "little") + (1).to_bytes(4, "little")
+        + value.to_bytes(4, "little") for tag, value in tags
+    )  # fmt: skip
+    (tmp_path / "a.tif").write_bytes(
+        b"II*\0" + (8 + len(data)).to_bytes(4, "little") + data + len(tags).to_bytes(2, "little") + directory
+        + bytes(4)
+    )  # fmt: skip
+    np.testing.assert_array_equal(read_picture(tmp_path / "a.tif"), (DEEP % 4096) * 16)
+
+
 def test_colours_keep_their_order_in_jpeg(tmp_path: Path) -> None:
     red = np.zeros((16, 16, 3), dtype=np.uint8)
     red[..., 0] = 200
@@ -49,7 +114,7 @@ def test_exr_is_linear_float(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 0.97])
-@pytest.mark.parametrize("ending", ["png", "jpg", "tif", "bmp"])
+@pytest.mark.parametrize("ending", ["png", "jpg", "tif", "bmp", "ppm", "webp"])
 def test_a_truncated_picture_is_refused(tmp_path: Path, ending: str, share: float) -> None:
     path = tmp_path / f"a.{ending}"
     write_picture(path, COLOUR)
@@ -129,7 +194,7 @@ def test_the_content_tells_the_format_and_not_the_name(tmp_path: Path) -> None:
     (tmp_path / "a.bmp").rename(tmp_path / "a.png")
     np.testing.assert_array_equal(read_picture(tmp_path / "a.png"), GREY)
     Image.fromarray(GREY).save(tmp_path / "b.gif")
-    with pytest.raises(InputError, match="none of PNG, JPEG, TIFF, BMP, OpenEXR"):
+    with pytest.raises(InputError, match="none of PNG, JPEG, TIFF, BMP, PGM or PPM, WebP, OpenEXR"):
         read_picture(tmp_path / "b.gif")
 
 

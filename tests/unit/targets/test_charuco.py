@@ -114,3 +114,20 @@ def test_an_unknown_kind_in_a_file_is_refused(tmp_path) -> None:  # type: ignore
     path.write_text("kind: chessboard\nname: x\n")
     with pytest.raises(InputError, match="Known: charuco"):
         load_target(str(path))
+
+
+def test_markers_count_from_the_first_id() -> None:
+    board = CharucoBoard.model_validate(SMALL | {"first_id": 7})
+    last = 7 + board.marker_count - 1
+    assert opencv_board(board).getIds().ravel().tolist() == list(range(7, last + 1))
+    plain = markers(CharucoBoard.model_validate(SMALL))
+    np.testing.assert_array_equal(markers(board).corner, plain.corner)
+    assert (markers(board).is_black != plain.is_black).any()
+    assert "markers from 7" in board.captions[0]
+    assert "from" not in CharucoBoard.model_validate(SMALL).captions[0]
+
+
+def test_the_last_id_must_be_in_the_dictionary() -> None:
+    size = CharucoBoard.model_validate(SMALL).dictionary.size
+    with pytest.raises(ValueError, match=r"ends at \d+: lower first_id"):
+        CharucoBoard.model_validate(SMALL | {"first_id": size - 3})

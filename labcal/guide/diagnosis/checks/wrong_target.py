@@ -20,6 +20,7 @@ _OF_ANOTHER = {
     Refusal.AMBIGUOUS,
     Refusal.NO_MARKERS,
     Refusal.OTHER_BOARD,
+    Refusal.OTHER_IDS,
 }
 """Refusals that another target explains."""
 _MOST = 0.5

@@ -133,3 +133,32 @@ def test_opencv_finds_the_dots_in_the_same_places() -> None:
         np.testing.assert_allclose(ours[k % 4, 10 - k // 4], q, atol=0.5)
     drawn = ASYMMETRIC.points(dots.index)[:, :2] * [2.0, -2.0] + [60.0, 60.0 + 400.0]
     np.testing.assert_allclose(dots.position, drawn, atol=0.1)
+
+
+@pytest.mark.parametrize("cols", [3, 6, 9])
+def test_asymmetric_grids_with_three_rows_are_found(cols: int) -> None:
+    """No dot of theirs has a dot two rows above and below, as the crosses of other grids have."""
+    target = DotGrid(
+        name="flat", layout="asymmetric", cols=cols, rows=3, pitch_x_mm=20, pitch_y_mm=10, dot_diameter_mm=6,
+        rings=None, margin_mm=20,
+    )  # fmt: skip
+    fine, size, turned = 4, (640, 260), np.array([[0.96, -0.2], [0.16, 0.93]])
+    canvas = np.full((size[1] * fine, size[0] * fine), 215, dtype=np.uint8)
+    index = target.indices()
+    places = target.points(index)[:, :2] * [2.4, -2.4] @ turned.T + [60.0, 120.0]
+    for x, y in np.round(((places + 0.5) * fine - 0.5) * 16).astype(int):
+        cv2.circle(canvas, (int(x), int(y)), int(7.2 * fine * 16), 35, -1, cv2.LINE_AA, 4)
+    picture = cv2.GaussianBlur(cv2.resize(canvas, size, interpolation=cv2.INTER_AREA), (0, 0), 0.7)
+    picture = picture + np.random.default_rng(8).normal(0, 1.0, picture.shape)
+    dots = detect_dots(np.clip(picture, 0, 255).astype(np.uint8), target)
+    assert dots.refusal is None
+    np.testing.assert_array_equal(dots.index[dots.ok], index)
+    assert np.abs(dots.position[dots.ok] - places).max() < 0.1
+
+
+def test_asymmetric_grids_with_two_rows_are_refused_when_they_are_made() -> None:
+    with pytest.raises(ValueError, match="of 2 rows is not found in pictures: give it 3 rows or more"):
+        DotGrid(
+            name="flat", layout="asymmetric", cols=9, rows=2, pitch_x_mm=20, pitch_y_mm=10, rings=None,
+            dot_diameter_mm=6, margin_mm=20,
+        )  # fmt: skip

@@ -1,0 +1,126 @@
+"""Pictures without a header, and Bayer mosaics, packed here by the words of the standards."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from labcal.correspond.picture_set import open_pictures
+from labcal.detect.detector import detect_dots
+from labcal.errors import InputError
+from labcal.shoot.raw_pictures import RawFormat, balanced_mosaic, parse_raw_format, read_raw_picture
+from labcal.targets.grid import DotGrid
+
+VALUES = np.random.default_rng(4).integers(0, 4096, (6, 10))
+
+
+def packed_p(values: np.ndarray, bits: int) -> bytes:
+    """Return values without gaps, the lower bits first (PFNC, ``p``)."""
+    number = sum(int(value) << bits * place for place, value in enumerate(values.ravel()))
+    return number.to_bytes((bits * values.size + 7) // 8, "little")
+
+
+def packed_gige(values: np.ndarray, bits: int) -> bytes:
+    """Return two values in three bytes: their upper 8 bits outside, the lower bits of both between."""
+    low, data = bits - 8, bytearray()
+    for first, second in values.reshape(-1, 2).tolist():
+        mask = (1 << low) - 1
+        data += bytes([first >> low, (first & mask) | (second & mask) << 4, second >> low])
+    return bytes(data)
+
+
+@pytest.mark.parametrize(
+    ("form", "values", "data"),
+    [
+        ("Mono12p", VALUES, packed_p(VALUES, 12)),
+        ("Mono10p", VALUES % 1024, packed_p(VALUES % 1024, 10)),
+        ("Mono12Packed", VALUES, packed_gige(VALUES, 12)),
+        ("Mono10Packed", VALUES % 1024, packed_gige(VALUES % 1024, 10)),
+        ("Mono12", VALUES, VALUES.astype("<u2").tobytes()),
+        ("Mono8", VALUES % 256, (VALUES % 256).astype(np.uint8).tobytes()),
+    ],
+)
+def test_pixels_without_a_header_keep_their_values(
+    tmp_path: Path, form: str, values: np.ndarray, data: bytes
+) -> None:
+    (tmp_path / "a.raw").write_bytes(data)
+    np.testing.assert_array_equal(
+        read_raw_picture(tmp_path / "a.raw", parse_raw_format(f"{form}:10x6")), values
+    )
+    with pytest.raises(InputError, match="State it with the pixel format"):
+        read_raw_picture(tmp_path / "a.raw", parse_raw_format(form))
+    (tmp_path / "a.raw").write_bytes(data + b"12")
+    with pytest.raises(
+        InputError, match=rf"has {len(data) + 2} bytes, but 10 x 6 pixels .* take {len(data)}"
+    ):
+        read_raw_picture(tmp_path / "a.raw", parse_raw_format(f"{form}:10x6"))
+
+
+@pytest.mark.parametrize(
+    ("pattern", "corners"), [("RG", "RGGB"), ("GR", "GRBG"), ("GB", "GBRG"), ("BG", "BGGR")]
+)
+def test_a_mosaic_of_grey_things_in_coloured_light_becomes_grey(pattern: str, corners: str) -> None:
+    mosaic = np.zeros((20, 30), dtype=np.uint16)
+    light = {"R": 900, "G": 2000, "B": 500}
+    rows = np.repeat([1.0, 0.5], 10)[:, None]
+    for place, colour in enumerate(corners):
+        i, j = divmod(place, 2)
+        mosaic[i::2, j::2] = (light[colour] * rows[i::2]).astype(np.uint16)
+    grey = balanced_mosaic(mosaic, pattern)
+    assert grey.dtype == np.uint16
+    assert np.abs(grey[:10].astype(int) - 500).max() <= 1
+    assert np.abs(grey[10:].astype(int) - 250).max() <= 1
+    # By another pattern it stays a mosaic.
+    other = {"RG": "GR", "GR": "RG", "GB": "BG", "BG": "GB"}[pattern]
+    assert np.ptp(balanced_mosaic(mosaic, other)[:10].astype(int)) > 300
+
+
+def test_dots_behind_a_mosaic_are_measured_better_by_its_pattern() -> None:
+    """In light of another colour the pixels of red and blue are darker by half: stripes on board and dots."""
+    target = DotGrid(
+        name="plain",
+        cols=7,
+        rows=5,
+        pitch_x_mm=20,
+        pitch_y_mm=20,
+        dot_diameter_mm=10,
+        rings=None,
+        margin_mm=20,
+    )
+    places = target.points(target.indices())[:, :2] * [2.6, -2.6] + [60.3, 260.7]
+    canvas = np.full((320 * 8, 440 * 8), 210, dtype=np.uint8)
+    for x, y in np.round(((places + 0.5) * 8 - 0.5) * 16).astype(int):
+        cv2.circle(canvas, (int(x), int(y)), 13 * 8 * 16, 40, -1, cv2.LINE_AA, 4)
+    light = cv2.GaussianBlur(cv2.resize(canvas, (440, 320), interpolation=cv2.INTER_AREA), (0, 0), 0.8)
+    mosaic = light.astype(np.float64)
+    mosaic[0::2, 0::2] *= 0.55
+    mosaic[1::2, 1::2] *= 0.45
+    noise = np.random.default_rng(2).normal(0, 2.0, mosaic.shape)
+    mosaic = np.clip(np.round(mosaic + noise), 0, 255).astype(np.uint8)
+    rms = []
+    for picture in (mosaic, balanced_mosaic(mosaic, "RG")):
+        dots = detect_dots(picture, target)
+        assert int(dots.ok.sum()) == 35
+        rms.append(np.sqrt(((dots.position - places) ** 2).sum(axis=1).mean()))
+    assert rms[1] < 0.8 * rms[0]
+
+
+@pytest.mark.parametrize(
+    "text", ["", "Bayer8", "BayerRG", "mono8", "Mono12p:10", "BayerRG8:0x4", "Mono9", "RGB8"]
+)
+def test_what_is_no_pixel_format_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="`raw`"):
+        parse_raw_format(text)
+
+
+def test_folders_of_raw_files_are_read_with_their_format(tmp_path: Path) -> None:
+    for name in ("a_0.raw", "a_1.raw"):
+        (tmp_path / name).write_bytes(packed_p(VALUES, 12))
+    found = open_pictures(tmp_path, "_0=left,_1=right", raw="BayerRG12p:10x6")
+    assert [(one.view, one.camera) for one in found.sources] == [("a", "left"), ("a", "right")]
+    assert found.sources[0].raw == RawFormat("RG", 12, "p", (10, 6))
+    assert found.sources[0].read().shape == (6, 10)
+    cv2.imwrite(str(tmp_path / "b.png"), np.zeros((6, 10, 3), dtype=np.uint8))
+    with pytest.raises(InputError, match="holds no mosaic"):
+        open_pictures(tmp_path / "b.png", raw="BayerGB8").sources[0].read()
