@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-
 from labcal import pipeline
 from labcal.scene.board import Board
 from labcal.shoot.truth import read_true_dots

@@ -113,7 +113,9 @@ def _refusal(question: TargetQuestion, sights: list[Sight], tried: tuple[TriedVi
             f"pictures: "
             f"at {view.distance_mm:g} mm, tilted by {view.tilt_deg:g} degrees ({why}). {mend}"
         )
-    width, height = (min(sides) for sides in zip(*(s.width_mm(question.near_mm) for s in sights), strict=True))
+    width, height = (
+        min(sides) for sides in zip(*(s.width_mm(question.near_mm) for s in sights), strict=True)
+    )
     if min(width, height) < _LITTLE * min(question.paper.width_mm, question.paper.height_mm):
         return (
             f"No target of the kind '{question.kind}' is found: at {question.near_mm:g} mm the pictures show "

@@ -108,7 +108,9 @@ def explained(found: DotResiduals, dots: Float64[np.ndarray, "dots 3"], absorbed
         chosen, square, rank = [*chosen, kind], less, more
     fits = model.fits(chosen)
     causes = tuple(
-        Cause(kind, share, q, p, *_size(kind, fits[kind], found), fits[kind], model.rivals(kind, chosen[:i], q))
+        Cause(
+            kind, share, q, p, *_size(kind, fits[kind], found), fits[kind], model.rivals(kind, chosen[:i], q)
+        )
         for i, (kind, share, q, p) in enumerate(steps)
     )
     free = max(1.0, n - start - absorbed)

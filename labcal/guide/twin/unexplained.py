@@ -185,13 +185,13 @@ def _moving(cause: Cause, found: DotResiduals, names: Sequence[str]) -> Unexplai
     """Return a cause of residuals in words."""
     size, share = cause.size, cause.share
     if cause.rivals:
-        rms = _rms(cause.fit)
+        size = _rms(cause.fit)
         could = " or ".join(_SHORT[kind] for kind in (cause.kind, *cause.rivals))
         words = (
-            f"a pattern of {rms:.2g} px RMS that can be {could}: these views do not tell which; "
+            f"a pattern of {size:.2g} px RMS that can be {could}: these views do not tell which; "
             "more views with other tilts and places in the picture do"
         )
-        return Unexplained("undecided", words, share, rms, "px")
+        return Unexplained("undecided", words, share, size, "px")
     if cause.kind is CauseKind.PRINT:
         words = f"the places of the dots on the print: {size:.2g} um RMS in its plane, the same in all views"
     elif cause.kind is CauseKind.BEND:
