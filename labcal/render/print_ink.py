@@ -23,7 +23,7 @@ class SheetInk:
 
     target: Ink | ArtworkInk
     beside: ArtworkInk
-    """What is printed below the target, always dark on light."""
+    """Code, ruler and captions below the target, always dark on light."""
     board: Rectangle
     """The target's edges as designed, mm."""
 

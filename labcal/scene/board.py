@@ -71,7 +71,5 @@ class Board(BaseModel):
 
     @model_serializer(mode="wrap")
     def _without_unset(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
-        unset = {"dot_shifts_mm": (), "print_number": None}
-        return {
-            key: value for key, value in dump(self).items() if key not in unset or value not in ((), [], None)
-        }
+        unset = {"dot_shifts_mm": not self.dot_shifts_mm, "print_number": self.print_number is None}
+        return {key: value for key, value in dump(self).items() if not unset.get(key, False)}

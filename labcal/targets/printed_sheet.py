@@ -1,4 +1,4 @@
-"""The sheet of a print beside the target: its extent as it is cut, and outlines of code, ruler and captions."""
+"""The sheet of a print beside the target: its extent, and the outlines of code, ruler and captions."""
 
 import numpy as np
 from jaxtyping import Float64

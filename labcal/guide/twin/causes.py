@@ -88,8 +88,8 @@ def explained(found: DotResiduals, dots: Float64[np.ndarray, "dots 3"], absorbed
     -----
     Linear models of the residuals, whitened by the noise, on top of small changes of the pose of each view.
     The cause with the best Bayesian information criterion (Schwarz 1978) enters first, while an F test finds
-    its gain beyond chance. What another cause could do as well is not told from it: where the part of its fit
-    that poses, causes before it and that other cause cannot follow is not beyond chance (chi-square test).
+    its gain beyond chance. Another cause is a rival where the part of its fit that poses, causes before it
+    and that other cause cannot follow is not beyond chance (chi-square test).
     A share is the gain less what so many parameters gain by noise.
     """
     model = _Model.of(found, dots)
@@ -157,7 +157,7 @@ class _Model:
         return max(float(self.y @ self.y - gained), 1e-12), int(good.sum())
 
     def _solved(self, where: Int64[np.ndarray, " some"], right: np.ndarray) -> np.ndarray:
-        """Return the coefficients of some columns, of all of them, for sums of products with what they fit."""
+        """Return coefficients of all columns, 0 but for some, from sums of products with what they fit."""
         size, axes = np.linalg.eigh(self.gram[np.ix_(where, where)])
         good = size > _RCOND * size.max()
         solved = np.zeros(len(self.gram))
