@@ -64,7 +64,7 @@ def described_camera(description: Mapping[str, object]) -> Camera:
         raise InputError(
             f"A lens of the model '{planned.lens}' cannot have a field of view of {seen:.4g} degrees along "
             f"the width: pictures on a plane grow beyond bounds towards 180, and {_MOST_FLAT_DEG:g} is the "
-            "most here. Check `fov_deg` or the focal length, or give `lens='fisheye-kb4'` for a fisheye."
+            "most here. Check it or the focal length, or give `lens='fisheye-kb4'` for a fisheye."
         )
     return camera
 
