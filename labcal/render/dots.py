@@ -4,7 +4,6 @@ from functools import cache
 
 from labcal.render.variant import Jit
 from labcal.scene.print import TruePrint
-from labcal.targets.grid import DotGrid
 
 
 @cache
@@ -19,8 +18,7 @@ def dots_plugin(variant: str) -> str:
     import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
     import mitsuba as mi  # noqa: PLC0415 -- names resolve to the variant in use
 
-    from labcal.render.artwork_ink import ArtworkInk  # noqa: PLC0415 -- imports Dr.Jit
-    from labcal.render.ink import Ink  # noqa: PLC0415 -- as above
+    from labcal.render.print_ink import ink_of  # noqa: PLC0415 -- imports Dr.Jit
 
     class DotTexture(mi.Texture):
         """Reflectance of a print over its board; uv runs from 0 to 1 along the board's edges."""
@@ -30,10 +28,7 @@ def dots_plugin(variant: str) -> str:
 
         def show(self, made: TruePrint, dark: tuple[float, ...], light: tuple[float, ...]) -> None:
             """Set the print, with reflectances in the number of channels of the variant."""
-            grid = made.target
-            self.ink = (
-                Ink.of(made, grid, mi.Float) if isinstance(grid, DotGrid) else ArtworkInk.of(made, mi.Float)
-            )
+            self.ink = ink_of(made, mi.Float)
             self.is_even = made.amplitude == 0.0
             self.dark, self.light = mi.Spectrum(*dark), mi.Spectrum(*light)
 

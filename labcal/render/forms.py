@@ -70,7 +70,7 @@ def forms(scene: Scene, T_world_target: Pose) -> dict[str, Form]:
     Names and their order, and how many triangles a body has, are the same at all poses. Faces that no camera
     can see are left out, since each costs time on every ray.
     """
-    surface = Surface.of(scene.target, scene.board.bend)
+    surface = Surface.of_board(scene.target, scene.board)
     table, plate, support = blocks(scene, T_world_target)
     covered = support.size_mm[0] <= plate.size_mm[0] and support.size_mm[1] <= plate.size_mm[1]
     found: dict[str, Form] = {"print": _print(surface, T_world_target)} | _room(scene)

@@ -25,7 +25,7 @@ class Ink:
     @classmethod
     def of(cls, made: TruePrint, grid: DotGrid, floats: Callable[[np.ndarray], Jit]) -> "Ink":
         """Return the ink of a print of a grid; `floats` makes an array of the variant."""
-        offsets = made.dot_offsets().astype(np.float32)
+        offsets = (made.dot_offsets() / made.scale_x_y).astype(np.float32)
         return cls(Paper(made), grid, floats(offsets[:, 0].copy()), floats(offsets[:, 1].copy()))
 
     def is_dark(self, uv: Jit) -> Jit:

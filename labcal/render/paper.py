@@ -23,7 +23,9 @@ class Paper:
         if not np.array_equal(self.made.A, np.eye(2)):
             (a, b), (c, d) = np.linalg.inv(self.made.A).tolist()
             x, y = a * x + b * y, c * x + d * y
-        return x + x_middle, y + y_middle
+        x, y = x + x_middle, y + y_middle
+        x_scale, y_scale = self.made.scale_x_y.tolist()
+        return (x, y) if x_scale == y_scale == 1.0 else (x / x_scale, y / y_scale)
 
     def evenness(self, uv: Jit) -> Jit:
         """Return the factor of the local unevenness of the paper; 1 for even paper."""

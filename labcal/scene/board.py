@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from labcal.bounds import Length
 from labcal.scene.quantities import Colour, Deviation
+from labcal.targets.code_text import MOST_COPIES
 
 Factor = Annotated[float, Field(ge=0.5, le=2)]
 Rise = Annotated[float, Field(ge=-500, le=500)]
@@ -62,9 +63,13 @@ class Board(BaseModel):
     """Shift of the print along x per millimetre along y, about the middle of the board."""
     misplacement_mm: Deviation = 0.0
     """Standard deviation of each dot's place along x and along y; the same print in all views of a run."""
+    print_number: Annotated[int, Field(ge=0, le=MOST_COPIES)] | None = None
+    """Number in the code of the print, 0 for none: the board is then the sheet as it is cut out, with code,
+    ruler and captions; left out, the bare target without them."""
     dot_shifts_mm: Annotated[tuple[Shift, ...], Field(max_length=_MOST_DOTS)] = ()
     """Shift of each dot along x and y, as of a print that was measured; row by row, none where left out."""
 
     @model_serializer(mode="wrap")
-    def _without_shifts(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
-        return {key: value for key, value in dump(self).items() if key != "dot_shifts_mm" or value}
+    def _without_unset(self, dump: Callable[[BaseModel], dict[str, object]]) -> dict[str, object]:
+        unset = {"dot_shifts_mm": not self.dot_shifts_mm, "print_number": self.print_number is None}
+        return {key: value for key, value in dump(self).items() if not unset.get(key, False)}

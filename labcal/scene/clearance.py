@@ -38,7 +38,7 @@ def require_room(scene: Scene, view: PlannedView, cameras: dict[str, Camera]) ->
                     f"{what} is inside {body.name} in view '{view.name}' of the scene '{scene.name}'. "
                     f"Move {key}."
                 )
-    surface = Surface.of(scene.target, scene.board.bend)
+    surface = Surface.of_board(scene.target, scene.board)
     corners = transform(view.T_world_target, surface.points(surface.middle + surface.half * CORNERS))
     target = f"A corner of the target in view '{view.name}' of the scene '{scene.name}'"
     _require_in_room(scene, corners, target, "Move the target, or room.floor_z_mm or room.wall_y_mm.")

@@ -32,7 +32,7 @@ def blocks(scene: Scene, T_world_target: Pose) -> tuple[Block, Block, Block]:
     """
     room = scene.room
     table = pose(np.eye(3), np.array([*room.table_centre_mm, room.table_z_mm - 0.5 * TABLE_THICKNESS_MM]))
-    surface = Surface.of(scene.target, scene.board.bend)
+    surface = Surface.of_board(scene.target, scene.board)
     thickness = scene.board.thickness_mm
     top = np.array([*surface.middle, surface.lowest_mm() - GAP_MM])
     plate = T_world_target @ pose(np.eye(3), top - [0.0, 0.0, 0.5 * thickness])

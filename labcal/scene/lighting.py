@@ -144,7 +144,7 @@ def brightest_board(scene: Scene, views: tuple[PlannedView, ...]) -> np.ndarray:
     x_min, y_min, x_max, y_max = scene.target.extent_mm
     x, y = np.meshgrid(np.linspace(x_min, x_max, BOARD_POINTS), np.linspace(y_min, y_max, BOARD_POINTS))
     places = np.stack([x.ravel(), y.ravel()], axis=-1)
-    surface = Surface.of(scene.target, scene.board.bend)
+    surface = Surface.of_board(scene.target, scene.board)
     board, normals = surface.points(places), surface.normals(places)
     brightest = np.zeros(3)
     for view in views:

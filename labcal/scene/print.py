@@ -14,6 +14,7 @@ from labcal.scene.board import Board
 from labcal.scene.surface import Surface
 from labcal.targets.grid import DotGrid, Layout
 from labcal.targets.registry import kind_of
+from labcal.targets.scaled_print import ScaledPrint
 from labcal.targets.target import PrintableTarget
 
 WAVES = 8
@@ -40,6 +41,8 @@ class TruePrint:
     """(WAVES, 3), wave numbers along x and y (rad/mm) and phase of the paper's unevenness; empty for none."""
     amplitude: float
     """Of each wave, as a share of the reflectance."""
+    number: int | None = None
+    """Of the print, where all of its sheet is rendered; None for the bare target."""
 
     @classmethod
     def of(cls, target: PrintableTarget, board: Board, seed: int) -> "TruePrint":
@@ -60,11 +63,12 @@ class TruePrint:
         draws = generator(seed, "misplaced dots").standard_normal((target.count, 2))
         made = cls(
             target=target,
-            surface=Surface.of(target, board.bend),
+            surface=Surface.of_board(target, board),
             A=np.array([[board.print_scale[0], board.print_shear], [0.0, board.print_scale[1]]]),
             displacement=board.misplacement_mm * draws + (listed if len(listed) else 0.0),
             waves=_waves(target, board, seed),
             amplitude=board.unevenness * float(np.sqrt(2.0 / WAVES)),
+            number=board.print_number,
         )
         made._require_room()
         return made
@@ -95,8 +99,13 @@ class TruePrint:
         return self._on_paper(flat_outlines(self.target.points(), radii))
 
     def dot_offsets(self) -> Float64[np.ndarray, "dots 2"]:
-        """Return the displacements of dots in the design, before scale and shear of the print."""
+        """Return the displacements of dots, before scale and shear of the print by the board."""
         return np.asarray(self.displacement @ np.linalg.inv(self.A).T)
+
+    @property
+    def scale_x_y(self) -> Float64[np.ndarray, "2"]:
+        """Scale along x and y that the target itself states of this print; 1 where it states none."""
+        return self.target.scale_x_y if isinstance(self.target, ScaledPrint) else np.ones(2)
 
     def _on_paper(self, p: Vectors3) -> np.ndarray:
         """Return positions on the paper of positions p in the design, one row per dot, (dots, n, 2)."""

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.arrays import Vectors3
-from labcal.scene.board import Bend
+from labcal.scene.board import Bend, Board
 from labcal.scene.solids import Met, Starts
+from labcal.targets.printed_sheet import cut_sheet
 from labcal.targets.target import PrintableTarget
 
 FACET_ERROR_MM = 5e-4
@@ -31,6 +32,18 @@ class Surface:
             middle=np.array([0.5 * (x_min + x_max), 0.5 * (y_min + y_max)]),
             half=np.array([0.5 * (x_max - x_min), 0.5 * (y_max - y_min)]),
             bend=bend,
+        )
+
+    @classmethod
+    def of_board(cls, target: PrintableTarget, board: Board) -> "Surface":
+        """Return the surface of the board of a scene: of a numbered print, the whole sheet as it is cut."""
+        if board.print_number is None:
+            return cls.of(target, board.bend)
+        cut = cut_sheet(target, board.print_number)
+        return cls(
+            middle=np.array([0.5 * (cut.x_min + cut.x_max), 0.5 * (cut.y_min + cut.y_max)]),
+            half=0.5 * np.array([cut.width, cut.height]),
+            bend=board.bend,
         )
 
     @property

@@ -37,7 +37,8 @@ MM_PER_INCH = 25.4
 POINTS_PER_INCH = 72
 DEFAULT_DPI = 300
 
-_HAIRLINE_MM = 0.15
+HAIRLINE_MM = 0.15
+"""Width of lines."""
 _BYTES_PER_PIXEL = 8  # the canvas, and the copy that is compressed
 _ASSUMED_MEMORY = 4 * 2**30  # where the system does not tell
 
@@ -262,13 +263,23 @@ def _draw_board(axes: Axes, target: AnyTarget, sheet: Sheet) -> None:
 def _draw_ruler(axes: Axes, sheet: Sheet) -> None:
     """Draw a line every millimetre, longer ones with figures every ten."""
     left, top = sheet.ruler
-    _line(axes, (left, left + RULER_MM), (top, top), gid="ruler")
-    for mm in range(round(RULER_MM) + 1):
-        length = 4.0 if mm % 10 == 0 else 3.0 if mm % 5 == 0 else 2.0
-        _line(axes, (left + mm, left + mm), (top, top - length))
+    along, *across = ruler_marks(sheet)
+    _line(axes, *along, gid="ruler")
+    for mm, mark in enumerate(across):
+        _line(axes, *mark)
         if mm % 10 == 0:
             label = f"{mm} mm" if mm == RULER_MM else str(mm)
             axes.text(left + mm, top - 5.0, label, fontsize=_points(2.2), ha="center", va="top")
+
+
+def ruler_marks(sheet: Sheet) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Return the lines of the ruler, x and y of both ends of each, mm: the one along it first."""
+    left, top = sheet.ruler
+    marks = [((left, left + RULER_MM), (top, top))]
+    for mm in range(round(RULER_MM) + 1):
+        length = 4.0 if mm % 10 == 0 else 3.0 if mm % 5 == 0 else 2.0
+        marks.append(((left + mm, left + mm), (top, top - length)))
+    return marks
 
 
 def _draw_captions(axes: Axes, sheet: Sheet) -> None:
@@ -292,7 +303,7 @@ def _line(axes: Axes, x: tuple[float, float], y: tuple[float, float], *, gid: st
             Outline(np.array([x, y]).T),
             fill=False,
             edgecolor="black",
-            linewidth=_points(_HAIRLINE_MM),
+            linewidth=_points(HAIRLINE_MM),
             capstyle="butt",
             snap=False,
             gid=gid,

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float32, Float64
 
 from labcal.targets.polygons import print_polygons
+from labcal.targets.sheet import Rectangle
 from labcal.targets.target import PrintableTarget
 
 MOST_STEPS = 4096
@@ -54,14 +55,31 @@ def ink_distance(target: PrintableTarget) -> InkDistance:
     first, second = target.points(np.array([[0, 0], [1, 0]]))[:, 0]
     pitch = float(abs(second - first))
     step = pitch / np.ceil(pitch * MOST_STEPS / max(x_max - x_min, y_max - y_min))
+    return polygon_distance(print_polygons(target), Rectangle(x_min, y_min, x_max, y_max), float(step))
+
+
+def polygon_distance(
+    polygons: list[Float64[np.ndarray, "corners 2"]], within: Rectangle, step: float
+) -> InkDistance:
+    """Return the distances from the edges of polygons on a grid over a rectangle.
+
+    Parameters
+    ----------
+    polygons : list of ndarray, shape (corners, 2)
+        Closed, mm; ink is where they run around a point, holes run the other way round.
+    within : Rectangle
+    step : float
+        Of the grid, of which the origin of the frame is a point, mm.
+    """
+    x_min, y_min, x_max, y_max = within.x_min, within.y_min, within.x_max, within.y_max
     low = np.floor(np.array([x_min, y_min]) / step).astype(int) - 2
     high = np.ceil(np.array([x_max, y_max]) / step).astype(int) + 2
     origin = low * step
     cols, rows = (high - low + 1).tolist()
-    edges = (_edges(print_polygons(target)) - origin) / step
+    edges = (_edges(polygons) - origin) / step
     away = _nearest(edges, (rows, cols))
     signed = np.where(_winding(edges, (rows, cols)) != 0, away, -away) * step
-    return InkDistance((float(origin[0]), float(origin[1])), float(step), signed.astype(np.float32))
+    return InkDistance((float(origin[0]), float(origin[1])), step, signed.astype(np.float32))
 
 
 def _edges(polygons: list[Float64[np.ndarray, "corners 2"]]) -> Float64[np.ndarray, "edges ends xy"]:

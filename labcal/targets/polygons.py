@@ -2,6 +2,7 @@
 
 import numpy as np
 from jaxtyping import Float64
+from matplotlib.path import Path as Outline
 from matplotlib.transforms import Affine2D
 
 from labcal.targets.shapes import printed_outlines
@@ -28,6 +29,11 @@ def print_polygons(target: PrintableTarget) -> list[Float64[np.ndarray, "corners
     InputError
         The kind is a user's, and its outlines are none.
     """
-    larger = printed_outlines(target).transformed(Affine2D().scale(_FINER))
+    return as_polygons(printed_outlines(target))
+
+
+def as_polygons(outlines: Outline) -> list[Float64[np.ndarray, "corners 2"]]:
+    """Return outlines in mm as closed polygons, the last corner of each its first one."""
+    larger = outlines.transformed(Affine2D().scale(_FINER))
     larger.should_simplify = False
     return [np.asarray(polygon, dtype=np.float64) / _FINER for polygon in larger.to_polygons()]

@@ -7,6 +7,7 @@ from pydantic import BaseModel, ValidationError
 from labcal.errors import InputError, InputTypeError
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.scaled_print import LEAST_SCALE, MOST_SCALE, ScaledPrint
+from labcal.targets.target import PrintableTarget
 from labcal.wording import clipped, shown
 
 AnyPrintScale = str | float | tuple[float, float]
@@ -92,6 +93,13 @@ def printed_to_scale(target: AnyTarget, scale: AnyPrintScale) -> AnyTarget:
         return type(target).model_validate({**target.model_dump(), "print_scale": wanted})
     except ValidationError as error:
         raise InputError(f"The target cannot have this scale: {error.errors()[0]['msg']}.") from error
+
+
+def as_designed(target: PrintableTarget) -> PrintableTarget:
+    """Return a target without the scale of a print of it: the design, in which places are as declared."""
+    if isinstance(target, ScaledPrint) and isinstance(target, BaseModel) and target.print_scale is not None:
+        return target.model_copy(update={"print_scale": None})
+    return target
 
 
 def as_printed(target: AnyTarget, scale: AnyPrintScale | None) -> AnyTarget:

@@ -14,7 +14,7 @@ from labcal.targets.code_places import QR, QR_LEFT
 
 _SIZES = (21, 25, 29, 33, 37, 41)  # cells along a side, versions 1 to 6
 _OFFSETS = (0.0, -0.3, 0.3, -0.6, 0.6)  # cells, for corners of tags that are a fraction of a pixel off
-_SHARPENING = (0.0, 0.5, 1.0)  # share of what blur took; the first one that decodes is taken
+_SHARPENING = (0.0, 0.5, 1.0, 2.0, 4.0)  # times what blur took; the first one that decodes is taken
 _LEAST_CORRELATION = 0.4  # of the common cells; 200 cells of noise reach 0.25 once in 3000
 _PARTS = 3  # samples across a cell, in its inner part
 _INNER = (0.3, 0.4)  # where it begins, and its width

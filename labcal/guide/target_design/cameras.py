@@ -17,6 +17,10 @@ from labcal.run.descriptions import explain_validation
 from labcal.scene.catalogue import load_scene, scene_names
 from labcal.scene.photometry import Photometry
 
+_FLAT_PICTURES = ("pinhole", "brown-k1k2", "brown5", "rational8", "thin-prism12", "tilted14")
+_MOST_FLAT_DEG = 150.0
+"""Field of view of lenses whose pictures are those of a plane; the widest on sale have some 130 degrees."""
+
 
 @dataclass(frozen=True)
 class KnownCameras:
@@ -48,9 +52,21 @@ def described_camera(description: Mapping[str, object]) -> Camera:
         A key is missing, or a value is not allowed.
     """
     try:
-        return planned_lens_camera(PlannedCamera.model_validate(dict(description)))
+        planned = PlannedCamera.model_validate(dict(description))
     except ValidationError as error:
         raise InputError(f"The camera cannot be used: {explain_validation(error, PlannedCamera)}.") from error
+    camera = planned_lens_camera(planned)
+    width, height = planned.size
+    ends = np.array([[0.0, 0.5 * (height - 1)], [width - 1.0, 0.5 * (height - 1)]])
+    rays = camera.rays(ends)
+    seen = float(np.degrees(np.arccos(np.clip(rays.direction[:, 2], -1.0, 1.0)).sum()))
+    if planned.lens in _FLAT_PICTURES and not (rays.ok.all() and seen <= _MOST_FLAT_DEG):
+        raise InputError(
+            f"A lens of the model '{planned.lens}' cannot have a field of view of {seen:.4g} degrees along "
+            f"the width: pictures on a plane grow beyond bounds towards 180, and {_MOST_FLAT_DEG:g} is the "
+            "most here. Check it or the focal length, or give `lens='fisheye-kb4'` for a fisheye."
+        )
+    return camera
 
 
 def sensor_of(preset: str) -> Photometry:

@@ -96,6 +96,10 @@ def _best(question: TargetQuestion, sights: list[Sight], growth: float) -> AnyTa
     return min(there, key=lambda target: expected_error(target, question, sights), default=None)
 
 
+_LITTLE = 0.25
+"""Of the paper's shorter side: where pictures show less than that, the near distance is what is wrong."""
+
+
 def _refusal(question: TargetQuestion, sights: list[Sight], tried: tuple[TriedView, ...]) -> str:
     """Return why there is no target, and what would do."""
     easier = alternatives(question, lambda changed: _best(changed, sights, 1.0) is not None)
@@ -108,6 +112,15 @@ def _refusal(question: TargetQuestion, sights: list[Sight], tried: tuple[TriedVi
             f"No target of the kind '{question.kind}' on {question.paper.sides} is found in all drawn "
             f"pictures: "
             f"at {view.distance_mm:g} mm, tilted by {view.tilt_deg:g} degrees ({why}). {mend}"
+        )
+    width, height = (
+        min(sides) for sides in zip(*(s.width_mm(question.near_mm) for s in sights), strict=True)
+    )
+    if min(width, height) < _LITTLE * min(question.paper.width_mm, question.paper.height_mm):
+        return (
+            f"No target of the kind '{question.kind}' is found: at {question.near_mm:g} mm the pictures show "
+            f"{width:.3g} mm x {height:.3g} mm, and the whole board must be in them. Distances are in mm "
+            "(1 m is 1000): give greater ones, or a lens with a wider field of view."
         )
     scale = least_scale(sights, question.far_mm, question.tilt_max_deg)
     part = need_of(question.kind, question.photometry.blur_px)

@@ -44,6 +44,8 @@ class Cause:
     size: float
     unit: str
     fit: Float64[np.ndarray, "n 2"]
+    rivals: tuple[CauseKind, ...] = ()
+    """Causes that would move the dots of these views alike, so that they do not tell which of them it is."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,9 @@ def explained(found: DotResiduals, dots: Float64[np.ndarray, "dots 3"], absorbed
     -----
     Linear models of the residuals, whitened by the noise, on top of small changes of the pose of each view.
     The cause with the best Bayesian information criterion (Schwarz 1978) enters first, while an F test finds
-    its gain beyond chance. A share is the gain less what so many parameters gain by noise.
+    its gain beyond chance. Another cause is a rival where the part of its fit that poses, causes before it
+    and that other cause cannot follow is not beyond chance (chi-square test).
+    A share is the gain less what so many parameters gain by noise.
     """
     model = _Model.of(found, dots)
     n = len(model.y)
@@ -104,7 +108,10 @@ def explained(found: DotResiduals, dots: Float64[np.ndarray, "dots 3"], absorbed
         chosen, square, rank = [*chosen, kind], less, more
     fits = model.fits(chosen)
     causes = tuple(
-        Cause(kind, share, q, p, *_size(kind, fits[kind], found), fits[kind]) for kind, share, q, p in steps
+        Cause(
+            kind, share, q, p, *_size(kind, fits[kind], found), fits[kind], model.rivals(kind, chosen[:i], q)
+        )
+        for i, (kind, share, q, p) in enumerate(steps)
     )
     free = max(1.0, n - start - absorbed)
     noise = min(free / base, max(0.0, 1.0 - sum(cause.share for cause in causes)))
@@ -149,13 +156,34 @@ class _Model:
         gained = ((axes[:, good].T @ self.right[where]) ** 2 / size[good]).sum()
         return max(float(self.y @ self.y - gained), 1e-12), int(good.sum())
 
-    def fits(self, kinds: Sequence[CauseKind]) -> dict[CauseKind, Float64[np.ndarray, "n 2"]]:
-        """Return what each of some causes, fitted together, makes of the residuals, px."""
-        where = self._where(kinds)
+    def _solved(self, where: Int64[np.ndarray, " some"], right: np.ndarray) -> np.ndarray:
+        """Return coefficients of all columns, 0 but for some, from sums of products with what they fit."""
         size, axes = np.linalg.eigh(self.gram[np.ix_(where, where)])
         good = size > _RCOND * size.max()
         solved = np.zeros(len(self.gram))
-        solved[where] = axes[:, good] @ ((axes[:, good].T @ self.right[where]) / size[good])
+        solved[where] = axes[:, good] @ ((axes[:, good].T @ right[where]) / size[good])
+        return solved
+
+    def rivals(self, kind: CauseKind, before: Sequence[CauseKind], q: int) -> tuple[CauseKind, ...]:
+        """Return the causes that could make what a cause of q parameters makes, beside those before it."""
+        from scipy.stats import chi2  # noqa: PLC0415 -- takes a second to import
+
+        own, least = self.at[kind], float(chi2.isf(_P, q))
+        made = np.zeros(len(self.gram))
+        made[own] = self._solved(self._where([*before, kind]), self.right)[own]
+        seen = self.gram @ made
+        found = []
+        for other in CauseKind:
+            if other is not kind and other not in before:
+                where = self._where([*before, other])
+                left = made @ seen - seen[where] @ self._solved(where, seen)[where]
+                if left < least:
+                    found.append(other)
+        return tuple(found)
+
+    def fits(self, kinds: Sequence[CauseKind]) -> dict[CauseKind, Float64[np.ndarray, "n 2"]]:
+        """Return what each of some causes, fitted together, makes of the residuals, px."""
+        solved = self._solved(self._where(kinds), self.right)
         found = {}
         for kind in kinds:
             own = self.X[:, self.at[kind]] @ solved[self.at[kind]]

@@ -21,6 +21,12 @@ _REST_SHARE = 0.1
 _LOUD = 1.25
 """Mean squared difference of pixels, in units of the noise, from which on a picture is not at noise level."""
 _SHOWN = 4
+_SHORT = {
+    CauseKind.PRINT: "the places of the dots on the print",
+    CauseKind.BEND: "a bend of the board",
+    CauseKind.LENS: "the lens",
+    CauseKind.PICTURES: "single pictures",
+}
 
 
 @dataclass(frozen=True)
@@ -54,7 +60,7 @@ class Unexplained:
     ----------
     kind : str
         ``print``, ``bend``, ``lens``, ``pictures``, ``positions`` (of no known pattern), ``blur``,
-        ``blur-over-picture``, ``edges`` or ``paper``.
+        ``blur-over-picture``, ``edges``, ``paper``, or ``undecided`` (one of several causes).
     words : str
     share : float or None
         Of the squares of residuals of dots; None of what does not move dots.
@@ -178,6 +184,14 @@ def unexplained_positions(
 def _moving(cause: Cause, found: DotResiduals, names: Sequence[str]) -> Unexplained:
     """Return a cause of residuals in words."""
     size, share = cause.size, cause.share
+    if cause.rivals:
+        size = _rms(cause.fit)
+        could = " or ".join(_SHORT[kind] for kind in (cause.kind, *cause.rivals))
+        words = (
+            f"a pattern of {size:.2g} px RMS that can be {could}: these views do not tell which; "
+            "more views with other tilts and places in the picture do"
+        )
+        return Unexplained("undecided", words, share, size, "px")
     if cause.kind is CauseKind.PRINT:
         words = f"the places of the dots on the print: {size:.2g} um RMS in its plane, the same in all views"
     elif cause.kind is CauseKind.BEND:
@@ -256,7 +270,8 @@ def _pixels(pictures: Sequence[TwinPicture], names: list[str]) -> list[Unexplain
         found.append(Unexplained(
             "edges",
             f"the edges of dots, {size:.2g} times the noise (of the squares around dots: "
-            f"{', '.join(shares)}{', ' if shares else ''}{100.0 * rest:.0f}% ragged ink, paper and noise)",
+            f"{', '.join(shares)}{', ' if shares else ''}{100.0 * rest:.0f}% ragged ink, paper and noise)"
+            f"{_compressed(pictures, loud)}",
             None, size, "times the noise", _some(names, loud),
         ))  # fmt: skip
     loud = flat > _LOUD
@@ -269,6 +284,18 @@ def _pixels(pictures: Sequence[TwinPicture], names: list[str]) -> list[Unexplain
             None, size, "times the noise", _some(names, loud),
         ))  # fmt: skip
     return found
+
+
+def _compressed(pictures: Sequence[TwinPicture], which: np.ndarray) -> str:
+    """Return a remark where some of the pictures are JPEG."""
+    stored = [one.image for one, shown in zip(pictures, which, strict=True) if shown]
+    lossy = sum(name.lower().endswith((".jpg", ".jpeg")) for name in stored)
+    if not lossy:
+        return ""
+    return (
+        f"; {'they' if lossy == len(stored) else f'{lossy} of them'} are JPEG, whose compression is not "
+        "simulated: it adds to these differences"
+    )
 
 
 def _some(names: list[str], which: np.ndarray) -> tuple[str, ...]:

@@ -1,9 +1,12 @@
 import numpy as np
 import pytest
 
-from labcal.scene.board import Bend
+from labcal.scene.board import Bend, Board
 from labcal.scene.surface import FACET_ERROR_MM, Surface
+from labcal.targets.catalogue import load_target
 from labcal.targets.grid import DotGrid
+from labcal.targets.print_scale import printed_to_scale
+from labcal.targets.sheet import lay_out_with_code
 
 BENDS = {
     "bowl": Bend(along_x_mm=4.0, along_y_mm=2.0),
@@ -88,3 +91,13 @@ def test_a_bent_board_hides_what_paths_reach_through_it(grid: DotGrid, name: str
         np.testing.assert_array_equal(hidden, through | (height[0] < 0.0))
         some += int(hidden.sum())
     assert some > 0
+
+
+def test_a_numbered_print_is_as_large_as_its_sheet_at_its_scale() -> None:
+    target = load_target("rings-10x8")
+    cut = lay_out_with_code(target).cut
+    bare = Surface.of_board(target, Board())
+    whole = Surface.of_board(printed_to_scale(target, (0.98, 1.02)), Board(print_number=0))
+    np.testing.assert_allclose(bare.half, Surface.of(target, Bend()).half)
+    np.testing.assert_allclose(2.0 * whole.half, np.array([cut.width, cut.height]) * [0.98, 1.02])
+    assert whole.half[1] > bare.half[1]

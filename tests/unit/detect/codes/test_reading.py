@@ -51,8 +51,13 @@ def test_a_webcam_reads_it_at_45_degrees() -> None:
     assert (found.refused, found.foreign, len(found.blocks)) == ((), (), 1)
 
 
-def test_the_tags_are_seen_where_the_code_is_too_small() -> None:
+def test_a_small_code_is_read_after_sharpening() -> None:
     picture = photograph(sheet(), (1280, 960), fill=0.25, tilt_deg=0.0, axis_deg=0.0)
+    assert [one.name for one in read_codes(picture).prints] == ["rings-14x10"]
+
+
+def test_the_tags_are_seen_where_the_code_is_too_small() -> None:
+    picture = photograph(sheet(), (1280, 960), fill=0.2, tilt_deg=0.0, axis_deg=0.0)
     found = read_codes(picture)
     assert found.prints == ()
     assert [block.is_whole for block in found.blocks] == [True]

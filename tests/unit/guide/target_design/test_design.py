@@ -191,3 +191,14 @@ def test_designed_targets_are_found_near_and_far_square_and_tilted(name: str) ->
     assert all(view.passed for view in views)
     stated, measured = (np.array([view.sigma_px for view in some]) for some in (found.views, views))
     assert np.sqrt((measured**2).mean()) < 1.3 * np.sqrt((stated**2).mean())
+
+
+def test_a_flat_picture_of_180_degrees_is_refused() -> None:
+    with pytest.raises(InputError, match="cannot have a field of view of 180 degrees"):
+        camera(size=(1280, 960), fov_deg=180)
+    assert camera(size=(1280, 960), fov_deg=180, lens="fisheye-kb4").size == (1280, 960)
+
+
+def test_distances_in_metres_are_told_as_too_short() -> None:
+    with pytest.raises(InputError, match="1 m is 1000"):
+        designed(small(near_mm=1.0, far_mm=2.0), 0, NoProgress())

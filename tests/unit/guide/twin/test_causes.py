@@ -99,3 +99,39 @@ def test_shares_add_up() -> None:
     told = explained(found, dots)
     assert told.noise + sum(cause.share for cause in told.causes) + told.rest == pytest.approx(1.0)
     assert told.causes[0].share > 0.9
+
+
+def few(made: DotResiduals, views: int, cameras: int) -> DotResiduals:
+    """Return the residuals of the first views and cameras."""
+    keep = (made.view < views) & (made.camera < cameras)
+    lines = {key: value[keep] for key, value in made.__dict__.items() if isinstance(value, np.ndarray)}
+    lines["picture"] = np.unique(lines["picture"], return_inverse=True)[1]
+    return DotResiduals(**lines, scale=made.scale)
+
+
+def bent(made: DotResiduals, dots: np.ndarray) -> DotResiduals:
+    height = np.zeros((len(dots), 3))
+    height[:, 2] = 0.1 * ((dots[:, 0] - 40.0) / 40.0) ** 2
+    return with_cause(made, np.einsum("nij,nj->ni", made.by_point, height[made.dot]))
+
+
+@pytest.mark.parametrize(
+    ("views", "cameras", "rivals"),
+    [
+        (1, 1, {CauseKind.PRINT, CauseKind.LENS}),  # dots of one picture can be anything's
+        (1, 2, {CauseKind.LENS}),  # a print is the same for both cameras, a lens is not
+        (2, 1, set()),
+        (3, 2, set()),
+    ],
+)
+def test_a_bend_is_told_from_others_where_views_can_tell(
+    views: int, cameras: int, rivals: set[CauseKind]
+) -> None:
+    for seed in range(5):
+        made, dots = residuals(seed)
+        found = bent(few(made, views, cameras), dots)
+        told = explained(found, dots)
+        assert told.causes[0].kind is CauseKind.BEND
+        assert set(told.causes[0].rivals) == rivals
+        kind = unexplained_positions(told, found)[0].kind
+        assert kind == ("undecided" if rivals else "bend")
