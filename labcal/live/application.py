@@ -16,7 +16,7 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route
 
 from labcal.live.board import Board
-from labcal.live.command import Command
+from labcal.live.command import Command, Wish
 
 LONGEST_WAIT_S = 1.0
 """A request for something newer waits so long, then gets what there is."""
@@ -33,7 +33,8 @@ def live_application(board: Board) -> Starlette:
     - ``GET /pictures/CAMERA?after=N``: the newest picture as JPEG, once its number is more than N; the header
       ``X-Number`` tells its number;
     - ``GET /rig``: the page of the calibrated rig;
-    - ``POST /wishes``: ``{"command": WORD}``, a word of :class:`~labcal.live.command.Command`.
+    - ``POST /wishes``: ``{"command": WORD}``, a word of :class:`~labcal.live.command.Command`; of ``drop``
+      with ``"view": NAME``.
 
     Parameters
     ----------
@@ -78,12 +79,15 @@ def live_application(board: Board) -> Starlette:
     async def wishes(request: Request) -> Response:
         try:
             given: Any = json.loads(await request.body())
-            command = Command(given["command"])
+            wish = Wish(Command(given["command"]), given.get("view", ""))
+            known = wish.view in {one.name for one in board.shown.taken}
         except (ValueError, TypeError, KeyError, RecursionError):
             words = ", ".join(Command)
             return PlainTextResponse(f'Expected {{"command": WORD}} with one of: {words}.\n', 400)
-        board.wish(command)
-        return JSONResponse({"command": command})
+        if wish.command is Command.DROP and not known:
+            return PlainTextResponse("Expected the name of a view that is in the shoot.\n", 404)
+        board.wish(wish)
+        return JSONResponse(asdict(wish))
 
     routes = [
         _route("/", page),

@@ -18,10 +18,14 @@ if TYPE_CHECKING:
     from labcal.capture.settings import CaptureSettings
     from labcal.live.board import Board
     from labcal.live.result import CapturedLive
+    from labcal.guide.diagnosis.finding import Finding
     from labcal.live.settings import LiveSettings
+    from labcal.live.shoot_dots import ShootDots
 
 LAST_LOOK_S = 3.0
 """After a failure the page is served so long, that it can tell of it."""
+INTERRUPTED_LOOK_S = 0.7
+"""After Ctrl-C the page is told within this time."""
 _LOOK_S = 0.2
 
 
@@ -81,10 +85,12 @@ def capture_live(
     from labcal.capture.preview import Previewed
     from labcal.capture.settings import CaptureSettings
     from labcal.live.board import Board
+    from labcal.live.diagnoser import Diagnoser
     from labcal.live.operator import Operator
     from labcal.live.result import CapturedLive
     from labcal.live.server import require_server, served
     from labcal.live.settings import LiveSettings
+    from labcal.live.shoot_dots import ShootDots
     from labcal.live.shown import Phase
     from labcal.pipeline.capturing import planned_capture
 
@@ -96,9 +102,11 @@ def capture_live(
     source, run = planned_capture(sources, target, given, None)
     if run.target is None:
         raise InputError("The live page looks for the target, but none is known. Name it: `target=NAME`.")
-    ending = _Ending(as_path(folder), how, Board(), force=run.settings.force)
+    dots = ShootDots(as_path(folder), run.target)
+    ending = _Ending(dots, as_path(folder), how, Board(), force=run.settings.force)
     previewed = Previewed(source)
     operator = Operator(ending.board, previewed, run.target, ending.finish)
+    operator.keep_dots(dots, Diagnoser(dots, ending.show_findings))
     if run.advisor is not None:
         operator.guide_by(run.advisor, run.show)
     with served(ending.board, how.port) as page:
@@ -114,6 +122,11 @@ def capture_live(
             ending.board.show(phase=Phase.FAILED, request="The capture has stopped", error=reason)
             time.sleep(LAST_LOOK_S)
             raise
+        except KeyboardInterrupt:
+            kept = f"The views taken so far are in {ending.folder}; the same command goes on with them."
+            ending.board.show(phase=Phase.FAILED, request="Stopped at the terminal (Ctrl-C)", error=kept)
+            time.sleep(INTERRUPTED_LOOK_S)
+            raise
         finally:
             operator.close()
         ending.show()
@@ -124,11 +137,14 @@ def capture_live(
 class _Ending:
     """The end of a capture: the calibration, its files, and what the page shows of them."""
 
-    def __init__(self, folder: "Path", how: "LiveSettings", board: "Board", *, force: bool) -> None:
+    def __init__(
+        self, dots: "ShootDots", folder: "Path", how: "LiveSettings", board: "Board", *, force: bool
+    ) -> None:
         from labcal.cameras.rig_file import KIND
         from labcal.report.page.output import PageOutput
         from labcal.run.claims import FileOutput, claim_outputs
 
+        self._dots = dots
         self.folder, self.board, self._how, self._force = folder, board, how, force
         beside = folder.with_name(f"{folder.name}-rig")
         self.rig = beside.with_suffix(".json") if how.rig is None else as_path(how.rig)
@@ -158,25 +174,36 @@ class _Ending:
     def calibrated(self) -> "Calibration":
         """Calibrate from the views that are in the shoot, and write the rig and its page."""
         from labcal.cameras.rig_file import write_rig
+        from labcal.correspond.measure import detections_of
         from labcal.live.board_progress import BoardProgress
         from labcal.live.shown import Phase
         from labcal.pipeline.calibration import calibrate
 
         words = "Calibrating. This takes a minute or so; the target can rest"
         self.board.show(phase=Phase.CALIBRATE, request=words, hint="", error="", work=("", 0, 0))
-        made = calibrate(self.folder, progress=BoardProgress(self.board), page=self.page)
+        _, found = self._dots.all()
+        made = calibrate(
+            self.folder, detections_of(found), progress=BoardProgress(self.board), page=self.page
+        )
         write_rig(self.rig, made.rig, force=self._force)
         return made
 
-    def _findings(self, made: "Calibration") -> tuple[str, ...]:
-        """Return what the diagnosis finds wrong with the shoot and how to mend it, the most harmful first."""
-        from labcal.pipeline.diagnosis import diagnose
+    def show_findings(self, findings: "Sequence[Finding]") -> None:
+        """Show what is wrong with the shoot and how to mend it, the most harmful first."""
+        self.board.show(findings=tuple(self.page.phrase(f"{one.words} {one.mend}") for one in findings))
 
+    def _findings(self, made: "Calibration") -> "tuple[Finding, ...]":
+        """Return the findings of the diagnosis of the whole shoot."""
+        from labcal.correspond.measure import detections_of
+        from labcal.guide.diagnosis.diagnosing import diagnosed
+        from labcal.guide.diagnosis.evidence import Evidence
+
+        shoot, found = self._dots.all()
         try:
-            found = diagnose(self.folder, rig=made.rig).findings
+            evidence = Evidence(self._dots.target, detections_of(found), shoot, tuple(found), made.rig)
+            return diagnosed(evidence).findings
         except InputError:  # no picture shows enough to judge
             return ()
-        return tuple(self.page.phrase(f"{one.words} {one.mend}") for one in found if one.explained_by is None)
 
     def show(self) -> None:
         """Show the calibrated rig."""
@@ -191,7 +218,7 @@ class _Ending:
         outcome = outcome_of(self.made, files, self.page.phrase)
         request = "The calibration is done. Leave the cameras as they are"
         self.board.show(phase=Phase.DONE, request=request, hint="", outcome=outcome, work=None, error="")
-        self.board.show(findings=self._findings(self.made))  # may take a while; the rig is there already
+        self.show_findings(self._findings(self.made))  # may take a while; the rig is there already
 
     def linger(self) -> None:
         """Serve until the page is closed, or nobody looks at it any more, or a person presses Ctrl-C."""
@@ -199,7 +226,8 @@ class _Ending:
 
         try:
             while time.monotonic() - self.board.asked_s < self._how.linger_s:
-                if self.board.next_wish(_LOOK_S) is Command.CLOSE:
+                wish = self.board.next_wish(_LOOK_S)
+                if wish is not None and wish.command is Command.CLOSE:
                     return
         except KeyboardInterrupt:
             return

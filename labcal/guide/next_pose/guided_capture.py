@@ -76,12 +76,27 @@ class GuidedCapture:
 
     def judge(self, taken: FrameSet, view: str) -> tuple[str, ...]:
         """Detect the target in a set that entered the shoot, and return its faults, for people."""
-        found = {name: detect_dots(frame.picture, self._target) for name, frame in taken.frames.items()}
+        found = {
+            name: frame.dots or detect_dots(frame.picture, self._target)
+            for name, frame in taken.frames.items()
+        }
         sources = [Source(view, name, f"{view}_{name}.png", found[name].size) for name in found]
         faults = picture_faults(taken.frames, found, self._sharpest)
         self.enter(gather(sources, found.values()), view)
         self._faults = (*faults, *self._faults)
         return self._faults
+
+    @one_blas_thread()
+    def forget(self, view: str) -> None:
+        """Forget a view that has left the shoot, and calibrate without it."""
+        self._tables = [table for table in self._tables if view not in table.view.tolist()]
+        self._faults, self._asked, self._last = (), None, None
+        self._standing = None
+        if len(self._tables) >= FEWEST_VIEWS:
+            settings = self._settings
+            self._standing = Standing.of(
+                joined(self._tables), self._target, settings.lens, settings.volume_mm, None
+            )
 
     @one_blas_thread()
     def enter(self, dots: Detections, view: str) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from labcal.errors import DeviceError
 from labcal.live.board import Board
-from labcal.live.command import Command
+from labcal.live.command import Command, Wish
 from labcal.live.guard import MOST_BODY_BYTES, MOST_HEADER_BYTES, MOST_TARGET_BYTES
 from labcal.live.server import served
 from labcal.live.shown import CameraShown, Phase
@@ -155,7 +155,7 @@ def test_a_browser_that_asks_for_another_page_is_refused(bench: Bench, site: str
 def test_the_pages_own_wish_arrives(bench: Bench) -> None:
     headers = {**bearer(bench), "Origin": bench.own, "Sec-Fetch-Site": "same-origin"}
     assert bench.client.post("/wishes", json={"command": "take"}, headers=headers).status_code == 200
-    assert bench.board.next_wish(0.0) is Command.TAKE
+    assert bench.board.next_wish(0.0) == Wish(Command.TAKE)
 
 
 @pytest.mark.parametrize(
@@ -220,7 +220,7 @@ def test_a_long_body_without_a_stated_length_is_refused_while_it_comes(bench: Be
 def test_a_body_that_is_long_enough_is_read(bench: Bench) -> None:
     body = json.dumps({"command": "auto", "more": "x" * (MOST_BODY_BYTES - 40)})
     assert bench.client.post("/wishes", content=body, headers=bearer(bench)).status_code == 200
-    assert bench.board.next_wish(0.0) is Command.AUTO
+    assert bench.board.next_wish(0.0) == Wish(Command.AUTO)
 
 
 def test_long_addresses_and_headers_are_refused(bench: Bench) -> None:

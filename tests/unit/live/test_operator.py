@@ -17,7 +17,7 @@ from labcal.capture.settings import CaptureSettings
 from labcal.capture.source import CameraInfo, FrameSet
 from labcal.errors import DeviceError
 from labcal.live.board import Board
-from labcal.live.command import Command
+from labcal.live.command import Command, Wish
 from labcal.live.operator import NO_MORE, Operator
 from labcal.live.shown import Phase
 from labcal.run.progress import NoProgress
@@ -80,11 +80,11 @@ class Bench:
 
     def take(self) -> None:
         views = self.board.shown.views
-        self.board.wish(Command.TAKE)
+        self.board.wish(Wish(Command.TAKE))
         until(self.board, lambda: self.board.shown.views > views)
 
     def end(self) -> Captured:
-        self.board.wish(Command.FINISH)
+        self.board.wish(Wish(Command.FINISH))
         self.thread.join(LONGEST_S)
         assert isinstance(self.outcome, Captured)
         return self.outcome
@@ -123,7 +123,7 @@ def test_views_are_taken_when_they_are_wished_for_and_the_end_too(bench: Bench) 
 
 def test_the_end_is_refused_before_there_are_enough_views(bench: Bench) -> None:
     bench.take()
-    bench.board.wish(Command.FINISH)
+    bench.board.wish(Wish(Command.FINISH))
     until(bench.board, lambda: "At least 3 views" in bench.board.shown.error)
     assert bench.finished == 0
     bench.take()
@@ -133,7 +133,7 @@ def test_the_capture_goes_on_where_the_views_cannot_be_calibrated(bench: Bench) 
     bench.allows = False
     for _ in range(PLACES):
         bench.take()
-    bench.board.wish(Command.FINISH)
+    bench.board.wish(Wish(Command.FINISH))
     until(bench.board, lambda: bench.finished == 1)
     bench.take()
     bench.allows = True
@@ -141,13 +141,13 @@ def test_the_capture_goes_on_where_the_views_cannot_be_calibrated(bench: Bench) 
 
 
 def test_a_still_target_is_taken_by_itself_once_at_each_place(bench: Bench) -> None:
-    bench.board.wish(Command.AUTO)
+    bench.board.wish(Wish(Command.AUTO))
     until(bench.board, lambda: bench.board.shown.views == 1)
     time.sleep(1.5)
     assert bench.board.shown.views == 1
     bench.cameras.at += 1
     until(bench.board, lambda: bench.board.shown.views == 2)
-    bench.board.wish(Command.BY_HAND)
+    bench.board.wish(Wish(Command.BY_HAND))
     until(bench.board, lambda: not bench.board.shown.auto)
     bench.cameras.at += 1
     time.sleep(1.5)
@@ -156,7 +156,7 @@ def test_a_still_target_is_taken_by_itself_once_at_each_place(bench: Bench) -> N
 
 def test_a_moving_target_is_not_taken_by_itself(bench: Bench) -> None:
     bench.cameras.turning = True
-    bench.board.wish(Command.AUTO)
+    bench.board.wish(Wish(Command.AUTO))
     time.sleep(2.0)
     assert bench.board.shown.views == 0
 
@@ -166,7 +166,7 @@ def test_a_refused_set_is_told_and_does_not_end_the_capture(bench: Bench) -> Non
     bench.cameras.turning = True
     for _ in range(7):
         bench.board.show(faults=())
-        bench.board.wish(Command.TAKE)
+        bench.board.wish(Wish(Command.TAKE))
         until(bench.board, lambda: any("the target moved" in fault for fault in bench.board.shown.faults))
     assert bench.board.shown.views == 0
 
@@ -187,7 +187,7 @@ def test_the_capture_ends_after_the_number_of_views_that_is_asked_for(
     bench = Bench(tmp_path / "shoot", cameras, views=2)
     bench.start()
     bench.take()
-    bench.board.wish(Command.TAKE)
+    bench.board.wish(Wish(Command.TAKE))
     bench.thread.join(LONGEST_S)
     assert isinstance(bench.outcome, Captured)
     assert len(bench.outcome.shoot.views()) == 2
@@ -210,7 +210,7 @@ def test_a_recording_shows_what_comes_next_and_says_when_there_is_no_more(
 ) -> None:
     bench = Bench(tmp_path / "shoot", Recording(scenes))
     bench.start()
-    bench.board.wish(Command.AUTO)
+    bench.board.wish(Wish(Command.AUTO))
     until(bench.board, lambda: bench.board.shown.ended)
     assert bench.board.shown.request == NO_MORE
     assert bench.board.shown.enough
@@ -231,6 +231,9 @@ class Adviser:
         assert set(taken.frames) == {"left", "right"}
         self.judged.append(view)
         return ()
+
+    def forget(self, view: str) -> None:
+        self.judged.remove(view)
 
     def advise(self) -> Advice:
         count = len(self.judged)
