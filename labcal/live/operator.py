@@ -76,7 +76,8 @@ class Operator:
         """Show live pictures until a set is wanted; False where the page asks for the end."""
         if not self._begun:
             self._begin(views)
-        self._board.show(phase=Phase.AIM, views=len(views), taken=self._remembered(views))
+        phase = Phase.AIM if self._judging is None else Phase.TAKE
+        self._board.show(phase=phase, views=len(views), taken=self._remembered(views))
         while True:
             began = time.monotonic()
             self._take_advice(request)
@@ -136,7 +137,8 @@ class Operator:
         if self._looker is not None:
             self._looker.took()
             self._look = None
-        self._judging = self._pool.submit(self._judge, taken, view)
+        if self._advisor is not None or self._dots is not None:
+            self._judging = self._pool.submit(self._judge, taken, view)
 
     def _judge(self, taken: FrameSet, view: str) -> Advice | None:
         """Find the dots of a view, and judge it by them; in a thread of its own."""
@@ -215,6 +217,7 @@ class Operator:
         advice = self._judging.result()
         self._judging = None
         if advice is None:
+            self._board.show(phase=Phase.AIM)
             return
         self._advice = advice
         if self._follow is not None:
