@@ -2,7 +2,8 @@
 const byId = (id) => document.getElementById(id);
 const SVG = "http://www.w3.org/2000/svg";
 const LEAST_MS = 60;
-let state = null, lost = 0, shownViews = 0;
+const SETTLE_MS = 1500; // A switch keeps what was pressed for so long, until the bench has heard of it.
+let state = null, lost = 0, shownViews = 0, switched = -SETTLE_MS;
 const drawn = {};
 
 // The token is in the cookie now; it need not stay in the address and its history.
@@ -212,7 +213,7 @@ function show() {
   byId("finish").title = few ? `At least ${state.least_views} views are needed` : "";
   byId("finish").classList.toggle("primary", state.enough && !few);
   byId("take").classList.toggle("primary", !(state.enough && !few));
-  byId("auto").checked = state.auto;
+  if (performance.now() - switched > SETTLE_MS) byId("auto").checked = state.auto;
   byId("auto").disabled = state.ended;
   byId("bar").hidden = !(aiming || taking);
   byId("help").hidden = !(aiming || taking || state.phase === "start");
@@ -258,7 +259,10 @@ byId("undo").addEventListener("click", () => {
   const last = state.taken[state.taken.length - 1];
   if (last) send("drop", last.name);
 });
-byId("auto").addEventListener("change", (event) => send(event.target.checked ? "auto" : "by-hand"));
+byId("auto").addEventListener("change", (event) => {
+  switched = performance.now();
+  send(event.target.checked ? "auto" : "by-hand");
+});
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || event.target.closest("button, input, a, summary")) return;
   const press = {" ": "take", f: "finish", F: "finish", a: "auto", A: "auto", u: "undo", U: "undo"}[event.key];
