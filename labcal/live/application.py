@@ -78,14 +78,13 @@ def live_application(board: Board) -> Starlette:
 
     async def wishes(request: Request) -> Response:
         try:
-            given: Any = json.loads(await request.body())
-            wish = Wish(Command(given["command"]), given.get("view", ""))
-            known = wish.view in {one.name for one in board.shown.taken}
+            wish = _wish_in(json.loads(await request.body()), board)
         except (ValueError, TypeError, KeyError, RecursionError):
             words = ", ".join(Command)
-            return PlainTextResponse(f'Expected {{"command": WORD}} with one of: {words}.\n', 400)
-        if wish.command is Command.DROP and not known:
-            return PlainTextResponse("Expected the name of a view that is in the shoot.\n", 404)
+            text = (
+                f'Expected {{"command": WORD}} with one of: {words}; of drop with the "view" of the shoot.\n'
+            )
+            return PlainTextResponse(text, 400)
         board.wish(wish)
         return JSONResponse(asdict(wish))
 
@@ -99,6 +98,15 @@ def live_application(board: Board) -> Starlette:
     application = Starlette(routes=routes)
     application.router.redirect_slashes = False
     return application
+
+
+def _wish_in(given: Any, board: Board) -> Wish:  # noqa: ANN401 -- whatever was sent
+    """Return the wish that was sent; ValueError, TypeError or KeyError where it is none."""
+    wish = Wish(Command(given["command"]), given.get("view", "") if isinstance(given, dict) else "")
+    names = {one.name for one in board.shown.taken}
+    if wish.view not in (names if wish.command is Command.DROP else {""}):
+        raise ValueError(wish.view)
+    return wish
 
 
 def _route(path: str, answer: Callable[[Request], Awaitable[Response]]) -> Route:

@@ -1,4 +1,4 @@
-"""Dots of a shoot that grows: each picture is read and searched once, for advice, calibration and diagnosis."""
+"""Dots of a shoot that grows: each picture is searched once, for advice, calibration and diagnosis."""
 
 from pathlib import Path
 

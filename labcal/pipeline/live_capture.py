@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
     from labcal.calibrate.calibration import Calibration
     from labcal.capture.settings import CaptureSettings
+    from labcal.guide.diagnosis.finding import Finding
     from labcal.live.board import Board
     from labcal.live.result import CapturedLive
-    from labcal.guide.diagnosis.finding import Finding
     from labcal.live.settings import LiveSettings
     from labcal.live.shoot_dots import ShootDots
 

@@ -297,7 +297,12 @@ def test_a_path_answers_its_own_method_alone(bench: Bench, method: str, path: st
 @pytest.mark.parametrize("accept", ["text/event-stream", "*/*"])
 def test_neither_events_nor_a_web_socket_without_the_token(bench: Bench, accept: str) -> None:
     assert bench.client.get("/state", headers={"Accept": accept}).status_code == 403
-    lines = ("Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13", "Sec-WebSocket-Key: eA")
+    lines = (
+        "Upgrade: websocket",
+        "Connection: Upgrade",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: eA",
+    )
     assert b" 403 " in raw(bench, request(bench, "/state", *lines))
 
 
