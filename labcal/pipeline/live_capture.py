@@ -1,7 +1,8 @@
 """Shoots taken on a page in a browser, which ends in the calibrated rig."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from labcal.errors import InputError, LabcalError
 from labcal.paths import AnyPath, as_path
 from labcal.run.progress import Progress, progress_of
 from labcal.targets.catalogue import AnyTarget
+from labcal.wording import counted
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -91,7 +93,6 @@ def capture_live(
     from labcal.live.server import require_server, served
     from labcal.live.settings import LiveSettings
     from labcal.live.shoot_dots import ShootDots
-    from labcal.live.shown import Phase
     from labcal.pipeline.capturing import planned_capture
 
     how = settings_of(live, LiveSettings)
@@ -111,24 +112,12 @@ def capture_live(
         operator.guide_by(run.advisor, run.show)
     with served(ending.board, how.port) as page:
         how.opened(page.address)
-        try:
+        with closing(operator), ending.told():
             ending.board.show(wanted_views=run.settings.views or len(run.stage) or None)
             captured = capture_shoot(
                 previewed, ending.folder, replace(run, attendant=operator), progress_of(progress)
             )
             made = ending.made = ending.made or ending.calibrated()
-        except LabcalError as error:
-            reason = ending.phrase(error)
-            ending.board.show(phase=Phase.FAILED, request="The capture has stopped", error=reason)
-            time.sleep(LAST_LOOK_S)
-            raise
-        except KeyboardInterrupt:
-            kept = f"The views taken so far are in {ending.folder}; the same command goes on with them."
-            ending.board.show(phase=Phase.FAILED, request="Stopped at the terminal (Ctrl-C)", error=kept)
-            time.sleep(INTERRUPTED_LOOK_S)
-            raise
-        finally:
-            operator.close()
         ending.show()
         ending.linger()
     return CapturedLive(captured, made, ending.rig, as_path(ending.page.path))
@@ -152,6 +141,26 @@ class _Ending:
         self.page: PageOutput = replace(PageOutput.of(given), force=force or PageOutput.of(given).force)
         self.made: Calibration | None = None
         claim_outputs([FileOutput(self.rig, KIND), self.page.file], [], force=force)
+
+    @contextmanager
+    def told(self) -> Iterator[None]:
+        """Tell the page of a failure, or of Ctrl-C, before it goes on to the caller."""
+        from labcal.live.shown import Phase
+
+        try:
+            yield
+        except LabcalError as error:
+            reason = self.phrase(error)
+            self.board.show(phase=Phase.FAILED, request="The capture has stopped", hint="", error=reason)
+            time.sleep(LAST_LOOK_S)
+            raise
+        except KeyboardInterrupt:
+            views = counted(self.board.shown.views, "view")
+            kept = f"The shoot {self.folder} keeps {views}. The same command goes on with it."
+            words = "Stopped at the terminal (Ctrl-C)"
+            self.board.show(phase=Phase.FAILED, request=words, hint="", error=kept)
+            time.sleep(INTERRUPTED_LOOK_S)
+            raise
 
     def phrase(self, error: Exception) -> str:
         """Return a message in the reader's words."""
@@ -216,6 +225,10 @@ class _Ending:
         self.board.put_page(page.read_bytes())
         files = {"shoot": self.folder, "rig": self.rig, "page": page}
         outcome = outcome_of(self.made, files, self.page.phrase)
+        reached = self.board.shown.reached_mm
+        if reached is not None:
+            over = ("Over all the space where it was held", f"a 3-D error of {reached:.2g} mm (RMS, 1 sigma)")
+            outcome = replace(outcome, figures=(*outcome.figures[:1], over, *outcome.figures[1:]))
         request = "The calibration is done. Leave the cameras as they are"
         self.board.show(phase=Phase.DONE, request=request, hint="", outcome=outcome, work=None, error="")
         self.show_findings(self._findings(self.made))  # may take a while; the rig is there already

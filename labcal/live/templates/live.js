@@ -184,7 +184,7 @@ function show() {
     one.root.classList.toggle("found", camera.found === true);
     one.status.textContent = camera.found === null ? "" : camera.found ? (state.still ? "target found, still" : "target found") : "target not found";
   }
-  byId("meter").hidden = state.reached_mm === null || state.phase === "failed";
+  byId("meter").hidden = state.reached_mm === null || state.phase === "failed" || state.phase === "done";
   if (state.reached_mm !== null) {
     byId("reached").textContent = millimetres(state.reached_mm);
     byId("wanted").textContent = state.wanted_mm === null ? "" : `wanted: ${millimetres(state.wanted_mm)}`;
