@@ -124,7 +124,8 @@ class Operator:
             self._dots.forget(view)
         if self._looker is not None:
             self._looker.left()
-        self._judging = self._pool.submit(self._after_drop, view)
+        if self._advisor is not None or self._diagnoser is not None:
+            self._judging = self._pool.submit(self._after_drop, view)
 
     def heard(self, taken: FrameSet, view: str | None, reasons: tuple[str, ...]) -> None:
         """Tell the page what became of a set, and have it judged."""

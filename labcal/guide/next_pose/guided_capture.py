@@ -81,6 +81,7 @@ class GuidedCapture:
             for name, frame in taken.frames.items()
         }
         sources = [Source(view, name, f"{view}_{name}.png", found[name].size) for name in found]
+        self._sizes |= {name: frame.size for name, frame in taken.frames.items()}
         faults = picture_faults(taken.frames, found, self._sharpest)
         self.enter(gather(sources, found.values()), view)
         self._faults = (*faults, *self._faults)
@@ -172,7 +173,8 @@ class GuidedCapture:
         asked = None if rough is None else self._next(rough, self._reach_from(rough.centre, ROUGHLY))
         if rough is None or asked is None:
             first = self._tables[0] if self._tables else None
-            outlines = first_outlines(number, self._sizes, first, self._target)
+            known = {name: size for name, size in self._sizes.items() if all(size)}  # watch: tells it later
+            outlines = first_outlines(number, known, first, self._target)
             return replace(base, words=FIRST_POSES[number % len(FIRST_POSES)].words, outlines=outlines)
         self._last = rough.poses[-1]
         return replace(
