@@ -174,7 +174,7 @@ class GuidedCapture:
         if rough is None or asked is None:
             first = self._tables[0] if self._tables else None
             known = {name: size for name, size in self._sizes.items() if all(size)}  # watch: tells it later
-            outlines = first_outlines(number, known, first, self._target)
+            outlines = first_outlines(number, known, first, self._target) if known else {}
             return replace(base, words=FIRST_POSES[number % len(FIRST_POSES)].words, outlines=outlines)
         self._last = rough.poses[-1]
         return replace(
