@@ -39,12 +39,19 @@ class Operator:
         None where it is not known: then nothing is looked for in the pictures.
     finish : callable
         Called when the page asks for the end; False where the capture has to go on.
+    phrase : callable
+        Turns a message of the library into the reader's words.
     """
 
     def __init__(
-        self, board: Board, source: Previewed, target: AnyTarget | None, finish: Callable[[], bool]
+        self,
+        board: Board,
+        source: Previewed,
+        target: AnyTarget | None,
+        finish: Callable[[], bool],
+        phrase: Callable[[str], str] = str,
     ) -> None:
-        self._board, self._source, self._finish = board, source, finish
+        self._board, self._source, self._finish, self._phrase = board, source, finish, phrase
         self._looker = None if target is None else Looker(target, self._looked)
         self._advisor: Advisor | None = None
         self._follow: Callable[[Advice], None] | None = None
@@ -102,7 +109,7 @@ class Operator:
         if pictures is None:
             self._board.show(request=NO_MORE, hint="", ended=True, enough=True)
             return None
-        self._board.show(notice="" if pictures.frames else " ".join(pictures.refusals))
+        self._board.show(notice="" if pictures.frames else self._phrase(" ".join(pictures.refusals)))
         if not pictures.frames:
             return None
         self._show(pictures)
@@ -224,7 +231,7 @@ class Operator:
         if self._follow is not None:
             self._follow(advice)
         words, _, hint = _sentence(advice.words).partition(". ")
-        asks = self._source.live or self._follow is not None  # a recording does as it likes
+        asks = self._source.live or self._source.waits or self._follow is not None  # a recording is as it is
         cameras = tuple(
             replace(
                 one,
