@@ -106,7 +106,7 @@ def capture_live(
     dots = ShootDots(as_path(folder), run.target)
     ending = _Ending(dots, as_path(folder), how, Board(), force=run.settings.force)
     previewed = Previewed(source)
-    operator = Operator(ending.board, previewed, run.target, ending.finish, ending.phrase)
+    operator = Operator(ending.board, previewed, run.target, ending.finish, ending.page.phrase)
     operator.keep_dots(dots, Diagnoser(dots, ending.show_findings))
     if run.advisor is not None:
         operator.guide_by(run.advisor, run.show)
