@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 LAST_LOOK_S = 3.0
 """After a failure the page is served so long, that it can tell of it."""
 INTERRUPTED_LOOK_S = 0.7
-"""After Ctrl-C the page is told within this time."""
+"""After Ctrl-C the page is served so long, that it can say so."""
 _LOOK_S = 0.2
 
 
@@ -112,7 +112,7 @@ def capture_live(
         operator.guide_by(run.advisor, run.show)
     with served(ending.board, how.port) as page:
         how.opened(page.address)
-        with closing(operator), ending.told():
+        with closing(operator), ending.failures_shown():
             ending.board.show(wanted_views=run.settings.views or len(run.stage) or None)
             captured = capture_shoot(
                 previewed, ending.folder, replace(run, attendant=operator), progress_of(progress)
@@ -143,8 +143,8 @@ class _Ending:
         claim_outputs([FileOutput(self.rig, KIND), self.page.file], [], force=force)
 
     @contextmanager
-    def told(self) -> Iterator[None]:
-        """Tell the page of a failure, or of Ctrl-C, before it goes on to the caller."""
+    def failures_shown(self) -> Iterator[None]:
+        """Show a failure, or Ctrl-C, on the page before it goes on to the caller."""
         from labcal.live.shown import Phase
 
         try:
