@@ -64,5 +64,8 @@ class Advisor(Protocol):
             Its faults, for people; empty for a good one.
         """
 
+    def forget(self, view: str) -> None:
+        """Forget a view that has left the shoot."""
+
     def advise(self) -> Advice:
         """Return the advice after the sets judged so far."""

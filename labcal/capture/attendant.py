@@ -1,28 +1,45 @@
 """The interface of an attendant, who says when the next set is taken and when there are enough."""
 
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from labcal.capture.source import FrameSet
+
+
+@dataclass(frozen=True)
+class DropView:
+    """The wish that a view is taken out of the shoot."""
+
+    view: str
+    """Its name."""
 
 
 @runtime_checkable  # so that tests can check annotations
 class Attendant(Protocol):
     """Stands beside a capture: each set is taken when it says so, and it hears what became of it."""
 
-    def wait(self, request: str, views: int) -> bool:
-        """Return when the next set is to be taken.
+    def wait(self, request: str, views: tuple[str, ...]) -> bool | DropView:
+        """Return when the next set is to be taken, or a view is to leave the shoot.
 
         Parameters
         ----------
         request : str
             What a person is to do for it.
-        views : int
-            Views that are in the shoot.
+        views : tuple of str
+            Names of the views that are in the shoot.
 
         Returns
         -------
-        bool
-            False where no more is to be taken.
+        bool or DropView
+            False where no more is to be taken. After a view was dropped it is asked again.
+        """
+
+    def dropped(self, view: str) -> None:
+        """Hear that a view has left the shoot.
+
+        Parameters
+        ----------
+        view : str
         """
 
     def heard(self, taken: FrameSet, view: str | None, reasons: tuple[str, ...]) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from labcal.capture.advice import Advice, Advisor
 from labcal.capture.advice_text import advice_text
-from labcal.capture.attendant import Attendant
+from labcal.capture.attendant import Attendant, DropView
 from labcal.capture.guide_settings import MOST_VIEWS
 from labcal.capture.recorder import Recorder
 from labcal.capture.settings import CaptureSettings
@@ -118,7 +118,7 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
     with opened(source) as cameras, growing_folder(folder, run.command, force=run.settings.force) as growing:
         infos = cameras.describe()
         recorder = Recorder(growing, run.target, infos, run.settings.print_scale)
-        cameras.skip(recorder.views)
+        cameras.skip((*recorder.views, *recorder.dropped))
         if run.advisor is not None:
             run.advisor.begin(infos)
             for view, before in recorder.recorded():
@@ -130,7 +130,7 @@ def capture_shoot(source: Source, folder: Path, run: CaptureRun, progress: Progr
             kept = f"{counted(done, 'view')} taken before {'is' if done == 1 else 'are'} in {folder}."
             raise DeviceError(f"{error} {kept if done else 'No view was taken before.'}") from error
         if not recorder.views:
-            raise InputError(_nothing(refused))
+            raise InputError(_nothing(refused, recorder.dropped))
     notes = (*(note for one in infos for note in one.notes), *recorder.target_notes)
     if recorder.target is None and run.settings.print_scale is not None:
         notes += ("`print_scale` is not stored: no target is named, and no code of a print is read",)
@@ -145,9 +145,9 @@ def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: P
     progress.start("capture", wanted or 0, len(recorder.views))
     number, due = 0, time.monotonic()
     while wanted is None or len(recorder.views) < wanted:
-        view = _next_view(recorder, run)
-        if not _is_to_be_taken(view, recorder, run, wanted):
+        if not _is_to_be_taken(recorder, run, wanted):
             break
+        view = _next_view(recorder, run)
         if by_clock:
             time.sleep(max(0.0, due - time.monotonic()))
             due = time.monotonic() + settings.interval_s
@@ -166,7 +166,7 @@ def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: P
         in_a_row = 0
         placed = _placed(taken, view)
         recorder.read_target(placed)
-        name = placed.view or f"view-{len(recorder.views) + 1:03d}"
+        name = recorder.free_name(placed.view)
         recorder.add(placed, name)
         _tell(run, placed, name, ())
         progress.advance()
@@ -183,11 +183,11 @@ def _wanted(source: Source, run: CaptureRun) -> int | None:
     return LIVE_VIEWS if source.live else None
 
 
-def _is_to_be_taken(view: StageView | None, recorder: Recorder, run: CaptureRun, wanted: int | None) -> bool:
+def _is_to_be_taken(recorder: Recorder, run: CaptureRun, wanted: int | None) -> bool:
     """Ask for the next set, and return when it is to be taken; False where no more is."""
-    done = len(recorder.views)
     if run.attendant is not None:
-        return run.attendant.wait(_request(view, done, wanted), done)
+        return _attended(run.attendant, recorder, run, wanted)
+    view, done = _next_view(recorder, run), len(recorder.views)
     advice = None if run.advisor is None else run.advisor.advise()
     if advice is not None and run.show is not None:
         run.show(advice)
@@ -196,6 +196,18 @@ def _is_to_be_taken(view: StageView | None, recorder: Recorder, run: CaptureRun,
     if run.ask is not None:
         run.ask(_request(view, done, wanted) if advice is None else advice_text(advice))
     return True
+
+
+def _attended(attendant: Attendant, recorder: Recorder, run: CaptureRun, wanted: int | None) -> bool:
+    """Return what the attendant says of the next set, after the views that it has dropped before."""
+    while True:
+        request = _request(_next_view(recorder, run), len(recorder.views), wanted)
+        answer = attendant.wait(request, recorder.views)
+        if not isinstance(answer, DropView):
+            return answer
+        if answer.view in recorder.views:
+            recorder.drop(answer.view)
+            attendant.dropped(answer.view)
 
 
 def _tell(run: CaptureRun, taken: FrameSet, view: str | None, reasons: tuple[str, ...]) -> None:
@@ -234,7 +246,7 @@ def _reasons(taken: FrameSet, source: Source, recorder: Recorder, run: CaptureRu
 
 def _next_view(recorder: Recorder, run: CaptureRun) -> StageView | None:
     """Return the reading of the stage that comes next."""
-    return run.stage[len(recorder.views)] if len(recorder.views) < len(run.stage) else None
+    return next((one for one in run.stage if one.view not in recorder.views), None)
 
 
 def _placed(taken: FrameSet, view: StageView | None) -> FrameSet:
@@ -253,7 +265,9 @@ def _request(view: StageView | None, done: int, wanted: int | None) -> str:
     return f"View {done + 1}{of}, '{view.view}': move the stage to {x:g}, {y:g}, {z:g} mm"
 
 
-def _nothing(refused: list[RefusedSet]) -> str:
+def _nothing(refused: list[RefusedSet], dropped: tuple[str, ...]) -> str:
+    if dropped:
+        return "Every view was taken out of the shoot again, so that there is none. Take more."
     if not refused:
         return "The source gives no picture. See that it holds what is wanted."
     return f"Every set of pictures was refused: {'; '.join(refused[0].reasons)}."

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection
 
-from labcal.capture.source import CameraInfo, FrameSet, Source
+from labcal.capture.source import CameraInfo, FrameSet, Source, Waiting
 
 
 class Previewed:
@@ -17,7 +17,7 @@ class Previewed:
     """
 
     def __init__(self, source: Source) -> None:
-        self._source, self.live = source, source.live
+        self._source, self.live, self.waits = source, source.live, isinstance(source, Waiting)
         self._next: FrameSet | None = None
 
     def open(self) -> None:
@@ -30,6 +30,8 @@ class Previewed:
 
     def peek(self) -> FrameSet | None:
         """Return what the cameras see now; None where there are no more pictures.
+
+        A set without frames says that another program has not delivered the next one yet.
 
         Raises
         ------

@@ -60,6 +60,8 @@ class CaptureRecord(BaseModel):
     """Settings of the devices that could not be read, set or locked."""
     pictures: tuple[TakenPicture, ...] = ()
     """In the order in which they were taken."""
+    dropped: tuple[Name, ...] = ()
+    """Names of views that were taken out of the shoot again; a recording does not deliver them once more."""
 
 
 @dataclass
@@ -100,6 +102,18 @@ class Recorder:
     def views(self) -> tuple[str, ...]:
         """Names of the views that are in the shoot."""
         return tuple(view.name for view in self._views)
+
+    @property
+    def dropped(self) -> tuple[str, ...]:
+        """Names of the views that were taken out again."""
+        return self._record.dropped
+
+    def free_name(self, wanted: str | None) -> str:
+        """Return the name of the next view: the one that its source gives, else the next number."""
+        if wanted is not None and wanted not in self.views:
+            return wanted
+        numbers = [int(name[5:]) for name in self.views if name[:5] == "view-" and name[5:].isdecimal()]
+        return f"view-{1 + max([len(self._views), *numbers]):03d}"
 
     def recorded(self) -> Iterator[tuple[str, FrameSet]]:
         """Read the views that an interrupted run has recorded, one after another, with their names."""
@@ -176,17 +190,46 @@ class Recorder:
                 T_world_target_nominal=None if nominal is None else matrix4_record(nominal),
             )
         )
-        self._record = self._record.model_copy(update={"pictures": (*self._record.pictures, *taken)})
-        write_file(home / RECORD, self._record.model_dump_json(indent=1) + "\n", force=True)
-        # The manifest comes last: a shoot has the views that it names.
+        kept = tuple(name for name in self._record.dropped if name != view)
+        pictures = (*self._record.pictures, *taken)
+        self._record = self._record.model_copy(update={"pictures": pictures, "dropped": kept})
+        self._write_record()
+        self._write_manifest()  # last: a shoot has the views that it names
+        self.folder.show()
+
+    def drop(self, view: str) -> None:
+        """Take a view out of the shoot, which is whole at every moment; its pictures are deleted.
+
+        Raises
+        ------
+        OutputError
+            The disk refuses.
+        """
+        gone = next(one for one in self._views if one.name == view)
+        self._views = [one for one in self._views if one is not gone]
+        if not self._views:
+            self._sizes = {}
+        self._write_manifest()  # first: a shoot has all pictures that it names
+        pictures = tuple(one for one in self._record.pictures if one.view != view)
+        dropped = (*self._record.dropped, view)
+        self._record = self._record.model_copy(update={"pictures": pictures, "dropped": dropped})
+        self._write_record()
+        self.folder.show()
+        for image in gone.images.values():
+            (self.folder.path / image).unlink(missing_ok=True)
+
+    def _write_record(self) -> None:
+        text = self._record.model_dump_json(indent=1) + "\n"
+        write_file(self.folder.path / RECORD, text, force=True)
+
+    def _write_manifest(self) -> None:
         manifest = Manifest(
             target=self.target,
             print_number=self._print_number,
             cameras=self._sizes,
             views=tuple(self._views),
         )
-        write_manifest(home, manifest)
-        self.folder.show()
+        write_manifest(self.folder.path, manifest)
 
 
 def _file(frame: Frame) -> Encoded:

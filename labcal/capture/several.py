@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-from labcal.capture.source import CameraInfo, Frame, FrameSet, Source
+from labcal.capture.source import CameraInfo, Frame, FrameSet, Source, Waiting
 from labcal.errors import InputError
 
 
@@ -68,16 +68,7 @@ class SeveralSources:
         taken = [one for one in sets if one is not None]
         if len(taken) < len(sets):
             return None
-        frames: dict[str, Frame] = {name: frame for one in taken for name, frame in one.frames.items()}
-        views = {one.view for one in taken}
-        poses = [one.T_world_target_nominal for one in taken if one.T_world_target_nominal is not None]
-        return FrameSet(
-            frames,
-            views.pop() if len(views) == 1 else None,
-            poses[0] if poses else None,
-            taken[0].role,
-            tuple(reason for one in taken for reason in one.refusals),
-        )
+        return _together(taken)
 
     def skip(self, views: Collection[str]) -> None:
         """Leave the views out of each source."""
@@ -91,3 +82,38 @@ class SeveralSources:
             self._pool = None
         for source in self._sources:
             source.close()
+
+
+def _together(taken: Sequence[FrameSet]) -> FrameSet:
+    """Return the pictures of several sources as one set."""
+    frames: dict[str, Frame] = {name: frame for one in taken for name, frame in one.frames.items()}
+    views = {one.view for one in taken}
+    poses = [one.T_world_target_nominal for one in taken if one.T_world_target_nominal is not None]
+    return FrameSet(
+        frames,
+        views.pop() if len(views) == 1 else None,
+        poses[0] if poses else None,
+        taken[0].role,
+        tuple(reason for one in taken for reason in one.refusals),
+    )
+
+
+class SeveralWaiting(SeveralSources):
+    """Sources that other programs deliver pictures to, and that can be looked at without waiting.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+        Each with a method `peek`.
+    """
+
+    waits = True
+    """True: pictures come when other programs deliver them."""
+
+    def peek(self) -> FrameSet:
+        """Return the set that comes next; without frames, but with reasons, until all sources have one."""
+        sets = [one.peek() for one in self._sources if isinstance(one, Waiting)]
+        reasons = tuple(reason for one in sets for reason in one.refusals)
+        if not all(one.frames for one in sets):
+            return FrameSet({}, refusals=reasons)
+        return _together(sets)

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Shaped
 
 from labcal.arrays import Pose
+from labcal.detect.dots import PictureDots
 from labcal.shoot.manifest import Role
 
 
@@ -57,6 +58,8 @@ class Frame:
     """Number that the device or the recording gives the picture."""
     encoded: "Encoded | None" = None
     """The picture's file, where it came as one, so that it enters the shoot unchanged."""
+    dots: PictureDots | None = None
+    """Dots of the target that were found in it already; None where nobody has looked."""
 
     @property
     def size(self) -> tuple[int, int]:
@@ -139,6 +142,17 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Give the devices back; may be called twice."""
+
+
+@runtime_checkable
+class Waiting(Protocol):
+    """A source whose pictures another program delivers when it likes."""
+
+    waits: bool
+    """True."""
+
+    def peek(self) -> FrameSet:
+        """Return the set that comes next without waiting for it; without frames where there is none yet."""
 
 
 @contextmanager

@@ -36,6 +36,8 @@ class WatchedFolder:
     """
 
     live = False  # the other program sets the pace
+    waits = True
+    """True: pictures come when another program delivers them, and nothing is known beforehand."""
 
     def __init__(self, address: Address, settings: SourceSettings) -> None:
         self._address, self._folder = address, Path(address.place)
@@ -51,6 +53,7 @@ class WatchedFolder:
         self._stood: dict[Path, tuple[tuple[int, int], float]] = {}
         self._waiting: dict[str, dict[str, tuple[Picture, Frame]]] = {}
         self._sizes: dict[str, tuple[int, int]] = {}
+        self._changed_s = time.monotonic()
 
     def open(self) -> None:
         """Look at what is in the folder now.
@@ -63,6 +66,7 @@ class WatchedFolder:
         if not self._folder.is_dir():
             raise InputError(f"There is no folder {self._folder} to watch. Create it, or correct the name.")
         self._known = set(self._pictures())
+        self._changed_s = time.monotonic()
 
     def describe(self) -> tuple[CameraInfo, ...]:
         """Return the cameras; their sizes are (0, 0) until each has its first picture."""
@@ -78,16 +82,34 @@ class WatchedFolder:
         DeviceError
             No new file appeared for the longest wait; views whose pictures are missing are named.
         """
-        since = time.monotonic()
-        while time.monotonic() - since <= self._timeout_s:
-            if self._look():
-                since = time.monotonic()
-            ready = next((view for view, got in self._waiting.items() if len(got) == len(self._names)), None)
-            if ready is not None:
-                got = self._waiting.pop(ready)
-                return FrameSet({name: got[name][1] for name in self._names}, ready)
+        self._changed_s = time.monotonic()
+        while not self._is_late():
+            ready = self.peek()
+            if ready.view is not None:
+                del self._waiting[ready.view]
+                return ready
             time.sleep(POLL_S)
         raise DeviceError(self._silence())
+
+    def peek(self) -> FrameSet:
+        """Return the view that comes next, without waiting for it.
+
+        Returns
+        -------
+        FrameSet
+            No frames where no view is whole yet; then with the reason, once no file appeared for the longest
+            wait.
+        """
+        if self._look():
+            self._changed_s = time.monotonic()
+        ready = next((view for view, got in self._waiting.items() if len(got) == len(self._names)), None)
+        if ready is None:
+            return FrameSet({}, refusals=(self._silence(),) if self._is_late() else ())
+        got = self._waiting[ready]
+        return FrameSet({name: got[name][1] for name in self._names}, ready)
+
+    def _is_late(self) -> bool:
+        return time.monotonic() - self._changed_s > self._timeout_s
 
     def follow(self) -> None:
         """Return nothing: these are stills."""

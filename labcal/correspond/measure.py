@@ -100,7 +100,11 @@ def measure_pictures(
     """
     progress.start("detecting dots", len(sources))
     cases = [(source, target, tone_curve, settings) for source in sources]
-    found = over_pictures(executor, measure_picture, cases, _lost, progress)
+    return agreed(over_pictures(executor, measure_picture, cases, _lost, progress), target)
+
+
+def agreed(found: Sequence[Measurement], target: AnyTarget | PrintedTarget) -> list[Measurement]:
+    """Return measurements of pictures, each measured by itself, with numberings that agree among them."""
     readable = [measurement for measurement in found if measurement.dots is not None]
     pictures = [measurement.dots for measurement in readable if measurement.dots is not None]
     design = target.target if isinstance(target, PrintedTarget) else target

@@ -16,7 +16,7 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route
 
 from labcal.live.board import Board
-from labcal.live.command import Command
+from labcal.live.command import Command, Wish
 
 LONGEST_WAIT_S = 1.0
 """A request for something newer waits so long, then gets what there is."""
@@ -33,7 +33,8 @@ def live_application(board: Board) -> Starlette:
     - ``GET /pictures/CAMERA?after=N``: the newest picture as JPEG, once its number is more than N; the header
       ``X-Number`` tells its number;
     - ``GET /rig``: the page of the calibrated rig;
-    - ``POST /wishes``: ``{"command": WORD}``, a word of :class:`~labcal.live.command.Command`.
+    - ``POST /wishes``: ``{"command": WORD}``, a word of :class:`~labcal.live.command.Command`; of ``drop``
+      with ``"view": NAME``.
 
     Parameters
     ----------
@@ -77,13 +78,15 @@ def live_application(board: Board) -> Starlette:
 
     async def wishes(request: Request) -> Response:
         try:
-            given: Any = json.loads(await request.body())
-            command = Command(given["command"])
+            wish = _wish_in(json.loads(await request.body()), board)
         except (ValueError, TypeError, KeyError, RecursionError):
             words = ", ".join(Command)
-            return PlainTextResponse(f'Expected {{"command": WORD}} with one of: {words}.\n', 400)
-        board.wish(command)
-        return JSONResponse({"command": command})
+            text = (
+                f'Expected {{"command": WORD}} with one of: {words}; of drop with the "view" of the shoot.\n'
+            )
+            return PlainTextResponse(text, 400)
+        board.wish(wish)
+        return JSONResponse(asdict(wish))
 
     routes = [
         _route("/", page),
@@ -95,6 +98,15 @@ def live_application(board: Board) -> Starlette:
     application = Starlette(routes=routes)
     application.router.redirect_slashes = False
     return application
+
+
+def _wish_in(given: Any, board: Board) -> Wish:  # noqa: ANN401 -- whatever was sent
+    """Return the wish that was sent; ValueError, TypeError or KeyError where it is none."""
+    wish = Wish(Command(given["command"]), given.get("view", "") if isinstance(given, dict) else "")
+    names = {one.name for one in board.shown.taken}
+    if wish.view not in (names if wish.command is Command.DROP else {""}):
+        raise ValueError(wish.view)
+    return wish
 
 
 def _route(path: str, answer: Callable[[Request], Awaitable[Response]]) -> Route:

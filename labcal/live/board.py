@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from threading import Condition
 
-from labcal.live.command import Command
+from labcal.live.command import Wish
 from labcal.live.shown import CameraShown, Shown
 
 MOST_WISHES = 16
@@ -23,7 +23,7 @@ class Board:
         self._changed = Condition()
         self._shown, self._state_number = Shown(), 1
         self._pictures: dict[str, tuple[int, bytes]] = {}
-        self._wishes: deque[Command] = deque(maxlen=MOST_WISHES)
+        self._wishes: deque[Wish] = deque(maxlen=MOST_WISHES)
         self._page: bytes | None = None
         self.asked_s = time.monotonic()
         """Time of the last request, by the monotonic clock, s."""
@@ -75,13 +75,13 @@ class Board:
         """The page of the calibrated rig."""
         return self._page
 
-    def wish(self, command: Command) -> None:
+    def wish(self, wish: Wish) -> None:
         """Ask the bench for something."""
         with self._changed:
-            self._wishes.append(command)
+            self._wishes.append(wish)
             self._changed.notify_all()
 
-    def next_wish(self, timeout_s: float) -> Command | None:
+    def next_wish(self, timeout_s: float) -> Wish | None:
         """Return the oldest wish; None if there is none for so long."""
         with self._changed:
             if not self._wishes:

@@ -1,5 +1,6 @@
 """Wishes that a person can have on the live page."""
 
+from dataclasses import dataclass
 from enum import StrEnum
 
 
@@ -14,5 +15,16 @@ class Command(StrEnum):
     """Take a view only when asked."""
     FINISH = "finish"
     """Take no more; calibrate."""
+    DROP = "drop"
+    """Take a view out of the shoot again; the view is named, so that two presses do not drop two."""
     CLOSE = "close"
     """Stop serving the page."""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """A wish that the page has sent."""
+
+    command: Command
+    view: str = ""
+    """Name of the view that it is about; empty for all commands but ``drop``."""

@@ -80,6 +80,11 @@ class Looker:
         self._taken, self._still_since = dict(self._newest), None
         self._epoch += 1
 
+    def left(self) -> None:
+        """Forget where the last view was taken: it has left the shoot."""
+        self._taken, self._still_since = {}, None
+        self._epoch += 1
+
     def _run(self) -> None:
         while True:
             with self._changed:

@@ -7,19 +7,23 @@ from dataclasses import replace
 
 from labcal.arrays import Pixels
 from labcal.capture.advice import Advice, Advisor
+from labcal.capture.attendant import DropView
 from labcal.capture.preview import Previewed
 from labcal.capture.source import FrameSet
 from labcal.evaluate.verdict.of_calibration import GOOD_VIEWS
 from labcal.live.board import Board
-from labcal.live.command import Command
+from labcal.live.command import Command, Wish
+from labcal.live.diagnoser import Diagnoser
 from labcal.live.looking import Look, Looker
 from labcal.live.picture import small_jpeg
-from labcal.live.shown import CameraShown, Phase
+from labcal.live.shoot_dots import ShootDots
+from labcal.live.shown import CameraShown, Phase, ViewShown
 from labcal.targets.catalogue import AnyTarget
 
 PERIOD_S = 0.09
 """Least time between two live pictures."""
 FINISH = "Press Finish and calibrate; more views do no harm"
+AWAITED = "Waiting for the next pictures: take them with the cameras' own program"
 NO_MORE = "The recording has no more pictures: press Finish and calibrate"
 
 
@@ -35,55 +39,100 @@ class Operator:
         None where it is not known: then nothing is looked for in the pictures.
     finish : callable
         Called when the page asks for the end; False where the capture has to go on.
+    phrase : callable
+        Turns a message of the library into the reader's words.
     """
 
     def __init__(
-        self, board: Board, source: Previewed, target: AnyTarget | None, finish: Callable[[], bool]
+        self,
+        board: Board,
+        source: Previewed,
+        target: AnyTarget | None,
+        finish: Callable[[], bool],
+        phrase: Callable[[str], str] = str,
     ) -> None:
-        self._board, self._source, self._finish = board, source, finish
+        self._board, self._source, self._finish, self._phrase = board, source, finish, phrase
         self._looker = None if target is None else Looker(target, self._looked)
         self._advisor: Advisor | None = None
         self._follow: Callable[[Advice], None] | None = None
-        self._judging: Future[Advice] | None = None
+        self._judging: Future[Advice | None] | None = None
+        self._dots: ShootDots | None = None
+        self._diagnoser: Diagnoser | None = None
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="live-advice")
         self._look: Look | None = None
         self._advice: Advice | None = None
-        self._auto = False
+        self._auto = source.waits  # the other program says when
         self._begun = False
 
     def guide_by(self, advisor: Advisor, follow: Callable[[Advice], None] | None = None) -> None:
         """Let an advisor say what to take next; each advice is also given to `follow`."""
         self._advisor, self._follow = advisor, follow
 
+    def keep_dots(self, dots: ShootDots, diagnoser: Diagnoser | None = None) -> None:
+        """Find the dots of each view that enters the shoot once, for advice, calibration and diagnosis."""
+        self._dots, self._diagnoser = dots, diagnoser
+
     def close(self) -> None:
         """End what runs beside."""
-        if self._looker is not None:
-            self._looker.stop()
+        for one in (self._looker, self._diagnoser):
+            if one is not None:
+                one.stop()
         self._pool.shutdown(wait=False, cancel_futures=True)
 
-    def wait(self, request: str, views: int) -> bool:
+    def wait(self, request: str, views: tuple[str, ...]) -> bool | DropView:
         """Show live pictures until a set is wanted; False where the page asks for the end."""
         if not self._begun:
-            self._begin()
-        self._board.show(phase=Phase.AIM, views=views)
+            self._begin(views)
+        phase = Phase.AIM if self._judging is None else Phase.TAKE
+        self._board.show(phase=phase, views=len(views), taken=self._remembered(views))
         while True:
             began = time.monotonic()
             self._take_advice(request)
-            pictures = self._source.peek()
-            if pictures is None:
-                self._board.show(request=NO_MORE, hint="", ended=True, enough=True)
-            else:
-                self._show(pictures)
+            pictures = self._look_at_bench()
             wish = self._board.next_wish(max(0.0, PERIOD_S - (time.monotonic() - began)))
-            if wish is Command.FINISH and self._wants_end():
+            command = None if wish is None else wish.command
+            if command is Command.FINISH and self._wants_end():
                 return False
-            if wish in {Command.AUTO, Command.BY_HAND}:
-                self._auto = wish is Command.AUTO
+            if command in {Command.AUTO, Command.BY_HAND}:
+                self._auto = command is Command.AUTO
                 self._board.show(auto=self._auto)
+            if wish is not None and command is Command.DROP and wish.view in views:
+                return self._drop(wish)
             ready = pictures is not None and self._judging is None
-            if ready and (wish is Command.TAKE or (self._auto and self._is_time())):
+            if ready and (command is Command.TAKE or (self._auto and self._is_time())):
                 self._board.show(phase=Phase.TAKE)
                 return True
+
+    def _look_at_bench(self) -> FrameSet | None:
+        """Show what the cameras see; None where there is nothing to take."""
+        pictures = self._source.peek()
+        if pictures is None:
+            self._board.show(request=NO_MORE, hint="", ended=True, enough=True)
+            return None
+        self._board.show(notice="" if pictures.frames else self._phrase(" ".join(pictures.refusals)))
+        if not pictures.frames:
+            return None
+        self._show(pictures)
+        return pictures
+
+    def _drop(self, wish: Wish) -> DropView:
+        """Let what is being judged end, since it may be this view."""
+        self._board.show(phase=Phase.TAKE)
+        if self._judging is not None:
+            self._judging.result()
+            self._judging = None
+        return DropView(wish.view)
+
+    def dropped(self, view: str) -> None:
+        """Forget a view that has left the shoot."""
+        taken = tuple(one for one in self._board.shown.taken if one.name != view)
+        self._board.show(views=len(taken), taken=taken, faults=(), error="")
+        if self._dots is not None:
+            self._dots.forget(view)
+        if self._looker is not None:
+            self._looker.left()
+        if self._advisor is not None or self._diagnoser is not None:
+            self._judging = self._pool.submit(self._after_drop, view)
 
     def heard(self, taken: FrameSet, view: str | None, reasons: tuple[str, ...]) -> None:
         """Tell the page what became of a set, and have it judged."""
@@ -91,22 +140,55 @@ class Operator:
         if view is None:
             self._board.show(faults=tuple(f"Not taken: {reason}." for reason in reasons))
             return
-        self._board.show(views=self._board.shown.views + 1, faults=())
+        now = (*self._board.shown.taken, ViewShown(view))
+        self._board.show(views=len(now), taken=now, faults=())
         if self._looker is not None:
             self._looker.took()
             self._look = None
-        if self._advisor is not None:
-            self._judging = self._pool.submit(_judged, self._advisor, taken, view)
+        if self._advisor is not None or self._dots is not None:
+            self._judging = self._pool.submit(self._judge, taken, view)
 
-    def _begin(self) -> None:
+    def _judge(self, taken: FrameSet, view: str) -> Advice | None:
+        """Find the dots of a view, and judge it by them; in a thread of its own."""
+        if self._dots is not None:
+            found = self._dots.of_view(view)
+            frames = {
+                name: replace(frame, dots=found[name].dots if name in found else None)
+                for name, frame in taken.frames.items()
+            }
+            taken = replace(taken, frames=frames)
+        if self._diagnoser is not None:
+            self._diagnoser.look()
+        if self._advisor is None:
+            return None
+        self._advisor.judge(taken, view)
+        return self._advisor.advise()
+
+    def _after_drop(self, view: str) -> Advice | None:
+        if self._diagnoser is not None:
+            self._diagnoser.look()
+        if self._advisor is None:
+            return None
+        self._advisor.forget(view)
+        return self._advisor.advise()
+
+    def _remembered(self, views: tuple[str, ...]) -> tuple[ViewShown, ...]:
+        """Return the views for the page, with what was said of each."""
+        known = {one.name: one for one in self._board.shown.taken}
+        return tuple(known.get(view, ViewShown(view)) for view in views)
+
+    def _begin(self, views: tuple[str, ...]) -> None:
         """Say which cameras there are, and begin to look."""
         self._begun = True
         cameras = tuple(CameraShown(one.name, one.size) for one in self._source.describe())
-        self._board.show(cameras=cameras)
-        if self._looker is not None:
-            self._looker.start()
+        self._board.show(cameras=cameras, auto=self._auto, guided=self._advisor is not None)
+        for one in (self._looker, self._diagnoser):
+            if one is not None:
+                one.start()
         if self._advisor is not None:
             self._judging = self._pool.submit(self._advisor.advise)
+        if self._diagnoser is not None and views:
+            self._pool.submit(self._diagnoser.look)
 
     def _wants_end(self) -> bool:
         """Finish where there is enough to finish with."""
@@ -125,25 +207,31 @@ class Operator:
         """Return whether a view is to be taken by itself."""
         if self._advice is not None and self._advice.done:
             return False
-        if not self._source.live or self._look is None:
-            return not self._source.live
+        if not self._source.live:
+            return True
+        if self._look is None:
+            return False
         return self._look.still and self._look.away
 
     def _take_advice(self, request: str) -> None:
         """Show the advice where there is a new one, else the plain request."""
         if self._judging is None:
             if self._advisor is None and not self._board.shown.ended:
-                self._board.show(request=request)
+                self._board.show(request=AWAITED if self._source.waits else request)
             return
         if not self._judging.done():
             self._board.show(phase=Phase.TAKE)
             return
-        advice = self._advice = self._judging.result()
+        advice = self._judging.result()
         self._judging = None
+        if advice is None:
+            self._board.show(phase=Phase.AIM)
+            return
+        self._advice = advice
         if self._follow is not None:
             self._follow(advice)
         words, _, hint = _sentence(advice.words).partition(". ")
-        asks = self._source.live or self._follow is not None  # a recording does as it likes
+        asks = self._source.live or self._source.waits or self._follow is not None  # a recording is as it is
         cameras = tuple(
             replace(
                 one,
@@ -154,14 +242,17 @@ class Operator:
             )
             for one in self._board.shown.cameras
         )
+        faults = tuple(_sentence(fault) for fault in advice.faults)
+        taken = self._board.shown.taken
         self._board.show(
+            taken=(*taken[:-1], replace(taken[-1], remarks=faults)) if taken and faults else taken,
             phase=Phase.AIM,
             request=words if asks or advice.done else request,
             hint=FINISH if advice.done else hint if asks else "",
             cameras=cameras,
             reached_mm=advice.reached_mm,
             wanted_mm=advice.wanted_mm,
-            faults=tuple(_sentence(fault) for fault in advice.faults),
+            faults=faults,
             lacks=advice.lacks,
             enough=advice.done or (advice.wanted_mm is None and advice.views >= GOOD_VIEWS),
             error="",
@@ -190,11 +281,6 @@ class Operator:
 
 def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}"
-
-
-def _judged(advisor: Advisor, taken: FrameSet, view: str) -> Advice:
-    advisor.judge(taken, view)
-    return advisor.advise()
 
 
 def _places(points: Pixels | None) -> tuple[tuple[float, float], ...]:

@@ -59,6 +59,7 @@ def served(board: Board, port: int = 0) -> Iterator[Served]:
     """
     uvicorn = require_server()
     from labcal.live.application import live_application  # noqa: PLC0415 -- needs the extra
+    from labcal.live.connection import PromptConnection  # noqa: PLC0415
     from labcal.live.guard import Guard  # noqa: PLC0415
 
     listening = _listening(port)
@@ -67,7 +68,7 @@ def served(board: Board, port: int = 0) -> Iterator[Served]:
     server = uvicorn.Server(
         uvicorn.Config(
             Guard(live_application(board), token, port),
-            http="h11",
+            http=PromptConnection,
             ws="none",
             lifespan="off",
             log_config=None,

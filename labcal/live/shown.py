@@ -39,6 +39,15 @@ class CameraShown:
 
 
 @dataclass(frozen=True)
+class ViewShown:
+    """A view that is in the shoot."""
+
+    name: str
+    remarks: tuple[str, ...] = ()
+    """Faults of it, in plain words."""
+
+
+@dataclass(frozen=True)
 class Outcome:
     """A calibrated rig, for the page."""
 
@@ -65,6 +74,12 @@ class Shown:
     cameras: tuple[CameraShown, ...] = ()
     views: int = 0
     """Views in the shoot."""
+    taken: tuple[ViewShown, ...] = ()
+    """The views, in the order in which they were taken."""
+    guided: bool = False
+    """True if a pose is asked for after each view."""
+    removable: bool = True
+    """True if a view can be taken out again."""
     wanted_views: int | None = None
     """Views after which the capture ends; None if a person ends it."""
     least_views: int = 3
@@ -91,3 +106,5 @@ class Shown:
     outcome: Outcome | None = None
     error: str = ""
     """The failure of the last piece of work."""
+    notice: str = ""
+    """Something to know that is no failure, such as a wait that has become long."""

@@ -88,8 +88,9 @@ def planned_capture(
     from labcal.capture.addresses import named_addresses, source_at
     from labcal.capture.capturing import CaptureRun
     from labcal.capture.settings import CaptureSettings
-    from labcal.capture.several import SeveralSources
+    from labcal.capture.several import SeveralSources, SeveralWaiting
     from labcal.capture.simulated import SimulatedCameras
+    from labcal.capture.source import Waiting
     from labcal.capture.stage import read_stage
     from labcal.capture.video import videos_together
     from labcal.targets.print_scale import as_printed
@@ -122,6 +123,8 @@ def planned_capture(
         source: Source = made[0]
     elif all(address.kind == "video" for address in addresses):
         source = videos_together(addresses, shown, how.source_settings, receiver)
+    elif all(isinstance(one, Waiting) for one in made):
+        source = SeveralWaiting(made)
     else:
         source = SeveralSources(made)
     return source, run

@@ -1,7 +1,8 @@
 """Shoots taken on a page in a browser, which ends in the calibrated rig."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,18 +11,23 @@ from labcal.errors import InputError, LabcalError
 from labcal.paths import AnyPath, as_path
 from labcal.run.progress import Progress, progress_of
 from labcal.targets.catalogue import AnyTarget
+from labcal.wording import counted
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from labcal.calibrate.calibration import Calibration
     from labcal.capture.settings import CaptureSettings
+    from labcal.guide.diagnosis.finding import Finding
     from labcal.live.board import Board
     from labcal.live.result import CapturedLive
     from labcal.live.settings import LiveSettings
+    from labcal.live.shoot_dots import ShootDots
 
 LAST_LOOK_S = 3.0
 """After a failure the page is served so long, that it can tell of it."""
+INTERRUPTED_LOOK_S = 0.7
+"""After Ctrl-C the page is served so long, that it can say so."""
 _LOOK_S = 0.2
 
 
@@ -81,11 +87,12 @@ def capture_live(
     from labcal.capture.preview import Previewed
     from labcal.capture.settings import CaptureSettings
     from labcal.live.board import Board
+    from labcal.live.diagnoser import Diagnoser
     from labcal.live.operator import Operator
     from labcal.live.result import CapturedLive
     from labcal.live.server import require_server, served
     from labcal.live.settings import LiveSettings
-    from labcal.live.shown import Phase
+    from labcal.live.shoot_dots import ShootDots
     from labcal.pipeline.capturing import planned_capture
 
     how = settings_of(live, LiveSettings)
@@ -96,26 +103,21 @@ def capture_live(
     source, run = planned_capture(sources, target, given, None)
     if run.target is None:
         raise InputError("The live page looks for the target, but none is known. Name it: `target=NAME`.")
-    ending = _Ending(as_path(folder), how, Board(), force=run.settings.force)
+    dots = ShootDots(as_path(folder), run.target)
+    ending = _Ending(dots, as_path(folder), how, Board(), force=run.settings.force)
     previewed = Previewed(source)
-    operator = Operator(ending.board, previewed, run.target, ending.finish)
+    operator = Operator(ending.board, previewed, run.target, ending.finish, ending.page.phrase)
+    operator.keep_dots(dots, Diagnoser(dots, ending.show_findings))
     if run.advisor is not None:
         operator.guide_by(run.advisor, run.show)
     with served(ending.board, how.port) as page:
         how.opened(page.address)
-        try:
+        with closing(operator), ending.failures_shown():
             ending.board.show(wanted_views=run.settings.views or len(run.stage) or None)
             captured = capture_shoot(
                 previewed, ending.folder, replace(run, attendant=operator), progress_of(progress)
             )
             made = ending.made = ending.made or ending.calibrated()
-        except LabcalError as error:
-            reason = ending.phrase(error)
-            ending.board.show(phase=Phase.FAILED, request="The capture has stopped", error=reason)
-            time.sleep(LAST_LOOK_S)
-            raise
-        finally:
-            operator.close()
         ending.show()
         ending.linger()
     return CapturedLive(captured, made, ending.rig, as_path(ending.page.path))
@@ -124,11 +126,14 @@ def capture_live(
 class _Ending:
     """The end of a capture: the calibration, its files, and what the page shows of them."""
 
-    def __init__(self, folder: "Path", how: "LiveSettings", board: "Board", *, force: bool) -> None:
+    def __init__(
+        self, dots: "ShootDots", folder: "Path", how: "LiveSettings", board: "Board", *, force: bool
+    ) -> None:
         from labcal.cameras.rig_file import KIND
         from labcal.report.page.output import PageOutput
         from labcal.run.claims import FileOutput, claim_outputs
 
+        self._dots = dots
         self.folder, self.board, self._how, self._force = folder, board, how, force
         beside = folder.with_name(f"{folder.name}-rig")
         self.rig = beside.with_suffix(".json") if how.rig is None else as_path(how.rig)
@@ -136,6 +141,26 @@ class _Ending:
         self.page: PageOutput = replace(PageOutput.of(given), force=force or PageOutput.of(given).force)
         self.made: Calibration | None = None
         claim_outputs([FileOutput(self.rig, KIND), self.page.file], [], force=force)
+
+    @contextmanager
+    def failures_shown(self) -> Iterator[None]:
+        """Show a failure, or Ctrl-C, on the page before it goes on to the caller."""
+        from labcal.live.shown import Phase
+
+        try:
+            yield
+        except LabcalError as error:
+            reason = self.phrase(error)
+            self.board.show(phase=Phase.FAILED, request="The capture has stopped", hint="", error=reason)
+            time.sleep(LAST_LOOK_S)
+            raise
+        except KeyboardInterrupt:
+            views = counted(self.board.shown.views, "view")
+            kept = f"The shoot {self.folder} keeps {views}. The same command goes on with it."
+            words = "Stopped at the terminal (Ctrl-C)"
+            self.board.show(phase=Phase.FAILED, request=words, hint="", error=kept)
+            time.sleep(INTERRUPTED_LOOK_S)
+            raise
 
     def phrase(self, error: Exception) -> str:
         """Return a message in the reader's words."""
@@ -158,25 +183,36 @@ class _Ending:
     def calibrated(self) -> "Calibration":
         """Calibrate from the views that are in the shoot, and write the rig and its page."""
         from labcal.cameras.rig_file import write_rig
+        from labcal.correspond.measure import detections_of
         from labcal.live.board_progress import BoardProgress
         from labcal.live.shown import Phase
         from labcal.pipeline.calibration import calibrate
 
         words = "Calibrating. This takes a minute or so; the target can rest"
         self.board.show(phase=Phase.CALIBRATE, request=words, hint="", error="", work=("", 0, 0))
-        made = calibrate(self.folder, progress=BoardProgress(self.board), page=self.page)
+        _, found = self._dots.all()
+        made = calibrate(
+            self.folder, detections_of(found), progress=BoardProgress(self.board), page=self.page
+        )
         write_rig(self.rig, made.rig, force=self._force)
         return made
 
-    def _findings(self, made: "Calibration") -> tuple[str, ...]:
-        """Return what the diagnosis finds wrong with the shoot and how to mend it, the most harmful first."""
-        from labcal.pipeline.diagnosis import diagnose
+    def show_findings(self, findings: "Sequence[Finding]") -> None:
+        """Show what is wrong with the shoot and how to mend it, the most harmful first."""
+        self.board.show(findings=tuple(self.page.phrase(f"{one.words} {one.mend}") for one in findings))
 
+    def _findings(self, made: "Calibration") -> "tuple[Finding, ...]":
+        """Return the findings of the diagnosis of the whole shoot."""
+        from labcal.correspond.measure import detections_of
+        from labcal.guide.diagnosis.diagnosing import diagnosed
+        from labcal.guide.diagnosis.evidence import Evidence
+
+        shoot, found = self._dots.all()
         try:
-            found = diagnose(self.folder, rig=made.rig).findings
+            evidence = Evidence(self._dots.target, detections_of(found), shoot, tuple(found), made.rig)
+            return diagnosed(evidence).findings
         except InputError:  # no picture shows enough to judge
             return ()
-        return tuple(self.page.phrase(f"{one.words} {one.mend}") for one in found if one.explained_by is None)
 
     def show(self) -> None:
         """Show the calibrated rig."""
@@ -189,9 +225,13 @@ class _Ending:
         self.board.put_page(page.read_bytes())
         files = {"shoot": self.folder, "rig": self.rig, "page": page}
         outcome = outcome_of(self.made, files, self.page.phrase)
+        reached = self.board.shown.reached_mm
+        if reached is not None:
+            over = ("Over all the space where it was held", f"a 3-D error of {reached:.2g} mm (RMS, 1 sigma)")
+            outcome = replace(outcome, figures=(*outcome.figures[:1], over, *outcome.figures[1:]))
         request = "The calibration is done. Leave the cameras as they are"
         self.board.show(phase=Phase.DONE, request=request, hint="", outcome=outcome, work=None, error="")
-        self.board.show(findings=self._findings(self.made))  # may take a while; the rig is there already
+        self.show_findings(self._findings(self.made))  # may take a while; the rig is there already
 
     def linger(self) -> None:
         """Serve until the page is closed, or nobody looks at it any more, or a person presses Ctrl-C."""
@@ -199,7 +239,8 @@ class _Ending:
 
         try:
             while time.monotonic() - self.board.asked_s < self._how.linger_s:
-                if self.board.next_wish(_LOOK_S) is Command.CLOSE:
+                wish = self.board.next_wish(_LOOK_S)
+                if wish is not None and wish.command is Command.CLOSE:
                     return
         except KeyboardInterrupt:
             return

@@ -76,12 +76,28 @@ class GuidedCapture:
 
     def judge(self, taken: FrameSet, view: str) -> tuple[str, ...]:
         """Detect the target in a set that entered the shoot, and return its faults, for people."""
-        found = {name: detect_dots(frame.picture, self._target) for name, frame in taken.frames.items()}
+        found = {
+            name: frame.dots or detect_dots(frame.picture, self._target)
+            for name, frame in taken.frames.items()
+        }
         sources = [Source(view, name, f"{view}_{name}.png", found[name].size) for name in found]
+        self._sizes |= {name: frame.size for name, frame in taken.frames.items()}
         faults = picture_faults(taken.frames, found, self._sharpest)
         self.enter(gather(sources, found.values()), view)
         self._faults = (*faults, *self._faults)
         return self._faults
+
+    @one_blas_thread()
+    def forget(self, view: str) -> None:
+        """Forget a view that has left the shoot, and calibrate without it."""
+        self._tables = [table for table in self._tables if view not in table.view.tolist()]
+        self._faults, self._asked, self._last = (), None, None
+        self._standing = None
+        if len(self._tables) >= FEWEST_VIEWS:
+            settings = self._settings
+            self._standing = Standing.of(
+                joined(self._tables), self._target, settings.lens, settings.volume_mm, None
+            )
 
     @one_blas_thread()
     def enter(self, dots: Detections, view: str) -> None:
@@ -159,7 +175,8 @@ class GuidedCapture:
         asked = None if rough is None else self._next(rough, self._reach_from(rough.centre, ROUGHLY))
         if rough is None or asked is None:
             first = self._tables[0] if self._tables else None
-            outlines = first_outlines(number, self._sizes, first, self._target)
+            known = {name: size for name, size in self._sizes.items() if all(size)}  # watch: tells it later
+            outlines = first_outlines(number, known, first, self._target) if known else {}
             return replace(base, words=FIRST_POSES[number % len(FIRST_POSES)].words, outlines=outlines)
         self._last = rough.poses[-1]
         return replace(

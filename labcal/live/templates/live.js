@@ -2,7 +2,8 @@
 const byId = (id) => document.getElementById(id);
 const SVG = "http://www.w3.org/2000/svg";
 const LEAST_MS = 60;
-let state = null, lost = 0, shownViews = 0;
+const SETTLE_MS = 1500; // A switch keeps what was pressed for so long, until the bench has heard of it.
+let state = null, lost = 0, shownViews = 0, switched = -SETTLE_MS;
 const drawn = {};
 
 // The token is in the cookie now; it need not stay in the address and its history.
@@ -20,11 +21,11 @@ function heard(works) {
   lost = works ? 0 : lost + 1;
   byId("lost").hidden = lost < 3 || ended();
 }
-const ended = () => state !== null && (state.phase === "done" || state.phase === "failed") ;
+const ended = () => state !== null && (state.phase === "done" || state.phase === "failed");
 
-async function send(command) {
+async function send(command, view = "") {
   try {
-    await fetch("/wishes", {method: "POST", headers: {"Content-Type": "application/json"}, body: JSON.stringify({command})});
+    await fetch("/wishes", {method: "POST", headers: {"Content-Type": "application/json"}, body: JSON.stringify({command, view})});
     if (command === "close") closed();
   } catch { heard(false); }
 }
@@ -135,6 +136,31 @@ function list(id, texts) {
   card.querySelector("ul").replaceChildren(...texts.map((text) => Object.assign(document.createElement("li"), {textContent: text})));
 }
 
+// The list of views is built again only when it has changed, so that a button stays while it is pressed.
+let listed = "";
+function views(taken, removable) {
+  const key = JSON.stringify([taken, removable]);
+  if (key === listed) return;
+  listed = key;
+  byId("taken").querySelector("ul").replaceChildren(...taken.map((one) => {
+    const line = document.createElement("li"), button = document.createElement("button");
+    button.type = "button";
+    button.className = "small";
+    button.textContent = "Take out";
+    button.disabled = !removable;
+    button.setAttribute("aria-label", `Take out ${one.name}`);
+    button.addEventListener("click", () => {
+      if (button.dataset.sure) { button.disabled = true; send("drop", one.name); return; }
+      button.dataset.sure = "1";
+      button.textContent = "Delete it?";
+      setTimeout(() => { delete button.dataset.sure; button.textContent = "Take out"; }, 4000);
+    });
+    line.append(Object.assign(document.createElement("b"), {textContent: one.name}), " ", button,
+      ...one.remarks.map((text) => Object.assign(document.createElement("p"), {textContent: text, className: "quiet"})));
+    return line;
+  }));
+}
+
 function pairs(id, entries) {
   byId(id).replaceChildren(...entries.flatMap(([name, value]) => [
     Object.assign(document.createElement("dt"), {textContent: name}), Object.assign(document.createElement("dd"), {textContent: value})]));
@@ -158,10 +184,11 @@ function show() {
     one.root.classList.toggle("found", camera.found === true);
     one.status.textContent = camera.found === null ? "" : camera.found ? (state.still ? "target found, still" : "target found") : "target not found";
   }
-  byId("meter").hidden = state.reached_mm === null || state.phase === "failed";
+  byId("meter").hidden = state.reached_mm === null || state.phase === "failed" || state.phase === "done";
   if (state.reached_mm !== null) {
     byId("reached").textContent = millimetres(state.reached_mm);
     byId("wanted").textContent = state.wanted_mm === null ? "" : `wanted: ${millimetres(state.wanted_mm)}`;
+    byId("means").textContent = state.findings.length ? "Not to be believed yet: see what is wrong below" : "typical error of a measured point";
     byId("meter").classList.toggle("reached", state.wanted_mm !== null && state.reached_mm <= state.wanted_mm);
   }
   if (state.views > 0 && byId("views").textContent === "0") byId("help").open = false;
@@ -174,11 +201,19 @@ function show() {
   shownViews = state.views;
   byId("take").disabled = !aiming || state.ended;
   byId("take").textContent = taking ? "Looking …" : "Take";
+  byId("undo").disabled = !aiming || state.views === 0;
+  byId("taken").hidden = !(aiming || taking) || state.taken.length === 0;
+  views(state.taken, aiming);
+  byId("notice").hidden = !state.notice || !(aiming || taking);
+  byId("notice").textContent = state.notice;
+  const refused = state.faults.length > 0 && state.faults[0].startsWith("Not taken");
+  byId("refused").hidden = !refused;
+  byId("faults-head").textContent = refused ? "This view was refused" : "The last view";
   byId("finish").disabled = !(aiming || taking) || few;
   byId("finish").title = few ? `At least ${state.least_views} views are needed` : "";
   byId("finish").classList.toggle("primary", state.enough && !few);
   byId("take").classList.toggle("primary", !(state.enough && !few));
-  byId("auto").checked = state.auto;
+  if (performance.now() - switched > SETTLE_MS) byId("auto").checked = state.auto;
   byId("auto").disabled = state.ended;
   byId("bar").hidden = !(aiming || taking);
   byId("help").hidden = !(aiming || taking || state.phase === "start");
@@ -220,10 +255,17 @@ document.addEventListener("click", (event) => {
   const button = event.target.closest("button[data-command]");
   if (button && !button.disabled) send(button.dataset.command);
 });
-byId("auto").addEventListener("change", (event) => send(event.target.checked ? "auto" : "by-hand"));
+byId("undo").addEventListener("click", () => {
+  const last = state.taken[state.taken.length - 1];
+  if (last) send("drop", last.name);
+});
+byId("auto").addEventListener("change", (event) => {
+  switched = performance.now();
+  send(event.target.checked ? "auto" : "by-hand");
+});
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || event.target.closest("button, input, a, summary")) return;
-  const press = {" ": "take", f: "finish", F: "finish", a: "auto", A: "auto"}[event.key];
+  const press = {" ": "take", f: "finish", F: "finish", a: "auto", A: "auto", u: "undo", U: "undo"}[event.key];
   if (!press) return;
   event.preventDefault();
   byId(press).click();

@@ -42,6 +42,9 @@ class Counting:
         self.judged.append(view)
         return ()
 
+    def forget(self, view: str) -> None:
+        self.judged.remove(view)
+
     def advise(self) -> Advice:
         return advice(len(self.judged), done=len(self.judged) >= self.enough)
 

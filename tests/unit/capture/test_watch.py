@@ -9,6 +9,7 @@ import pytest
 
 from labcal.capture.addresses import Address
 from labcal.capture.settings import SourceSettings
+from labcal.capture.several import SeveralWaiting
 from labcal.capture.source import Source, opened
 from labcal.capture.watch import WatchedFolder
 from labcal.errors import DeviceError, InputError
@@ -66,3 +67,45 @@ def test_a_wait_in_vain_names_what_is_missing(tmp_path: Path) -> None:
 def test_there_must_be_a_folder(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no folder"):
         watching(tmp_path / "nowhere").open()
+
+
+def test_a_look_does_not_wait_and_tells_of_a_program_that_has_stopped(tmp_path: Path) -> None:
+    settings = SourceSettings(timeout_s=0.4, cameras="_0=left,_1=right")
+    source = WatchedFolder(Address("watch", str(tmp_path)), settings)
+    with opened(source):
+        nothing = source.peek()
+        assert (dict(nothing.frames), nothing.refusals) == ({}, ())
+        (tmp_path / "a_0.png").write_bytes(png(1))
+        end = time.monotonic() + 10.0
+        while not (late := source.peek()).refusals:
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        assert "a: right" in late.refusals[0]
+        (tmp_path / "a_1.png").write_bytes(png(2))
+        while not (seen := source.peek()).frames:
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        assert (seen.view, seen.refusals) == ("a", ())
+        taken = source.trigger()
+        assert taken is not None
+        assert taken.view == "a"
+        assert not source.peek().frames
+
+
+def test_two_watched_folders_are_looked_at_together(tmp_path: Path) -> None:
+    folders = [tmp_path / name for name in ("left", "right")]
+    for folder in folders:
+        folder.mkdir()
+    made = [WatchedFolder(Address("watch", str(one), one.name), SourceSettings()) for one in folders]
+    source = SeveralWaiting(made)
+    with opened(source):
+        (folders[0] / "a.png").write_bytes(png(1))
+        end = time.monotonic() + 0.6
+        while time.monotonic() < end:
+            assert not source.peek().frames
+            time.sleep(0.02)
+        (folders[1] / "a.png").write_bytes(png(2))
+        while not (seen := source.peek()).frames:
+            assert time.monotonic() < end + 10.0
+            time.sleep(0.02)
+        assert (set(seen.frames), seen.view) == ({"left", "right"}, "a")

@@ -1,7 +1,7 @@
 """The board keeps the newest of everything, and no more."""
 
 from labcal.live.board import MOST_WISHES, Board
-from labcal.live.command import Command
+from labcal.live.command import Command, Wish
 from labcal.live.shown import Phase
 
 
@@ -23,9 +23,9 @@ def test_only_the_newest_picture_is_kept() -> None:
 
 def test_wishes_come_in_order_and_old_ones_are_forgotten() -> None:
     board = Board()
-    board.wish(Command.TAKE)
-    board.wish(Command.FINISH)
-    assert [board.next_wish(0.0) for _ in range(3)] == [Command.TAKE, Command.FINISH, None]
+    board.wish(Wish(Command.TAKE))
+    board.wish(Wish(Command.FINISH))
+    assert [board.next_wish(0.0) for _ in range(3)] == [Wish(Command.TAKE), Wish(Command.FINISH), None]
     for _ in range(1000):
-        board.wish(Command.TAKE)
+        board.wish(Wish(Command.TAKE))
     assert sum(board.next_wish(0.0) is not None for _ in range(1000)) == MOST_WISHES

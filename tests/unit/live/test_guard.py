@@ -1,7 +1,9 @@
 """Refusals of the live page: strangers, other pages, other host names, and requests that are too large."""
 
+import contextlib
 import json
 import socket
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,11 +12,12 @@ import httpx
 import pytest
 
 from labcal.errors import DeviceError
+from labcal.live import connection
 from labcal.live.board import Board
-from labcal.live.command import Command
+from labcal.live.command import Command, Wish
 from labcal.live.guard import MOST_BODY_BYTES, MOST_HEADER_BYTES, MOST_TARGET_BYTES
-from labcal.live.server import served
-from labcal.live.shown import CameraShown, Phase
+from labcal.live.server import MOST_CONNECTIONS, served
+from labcal.live.shown import CameraShown, Phase, ViewShown
 
 JPEG = b"\xff\xd8 a picture"
 PATHS = ("/", "/state", "/pictures/left", "/rig")
@@ -155,7 +158,7 @@ def test_a_browser_that_asks_for_another_page_is_refused(bench: Bench, site: str
 def test_the_pages_own_wish_arrives(bench: Bench) -> None:
     headers = {**bearer(bench), "Origin": bench.own, "Sec-Fetch-Site": "same-origin"}
     assert bench.client.post("/wishes", json={"command": "take"}, headers=headers).status_code == 200
-    assert bench.board.next_wish(0.0) is Command.TAKE
+    assert bench.board.next_wish(0.0) == Wish(Command.TAKE)
 
 
 @pytest.mark.parametrize(
@@ -220,7 +223,7 @@ def test_a_long_body_without_a_stated_length_is_refused_while_it_comes(bench: Be
 def test_a_body_that_is_long_enough_is_read(bench: Bench) -> None:
     body = json.dumps({"command": "auto", "more": "x" * (MOST_BODY_BYTES - 40)})
     assert bench.client.post("/wishes", content=body, headers=bearer(bench)).status_code == 200
-    assert bench.board.next_wish(0.0) is Command.AUTO
+    assert bench.board.next_wish(0.0) == Wish(Command.AUTO)
 
 
 def test_long_addresses_and_headers_are_refused(bench: Bench) -> None:
@@ -253,3 +256,84 @@ def test_the_server_is_on_this_computer_alone(bench: Bench) -> None:
 def test_a_port_that_is_in_use_is_an_error(bench: Bench) -> None:
     with pytest.raises(DeviceError, match=f"port {bench.port}"), served(Board(), bench.port):
         pass
+
+
+def test_ten_megabytes_are_refused_before_they_have_come(bench: Bench) -> None:
+    size = 10_000_000
+    lines = (f"Authorization: Bearer {bench.token}", f"Content-Length: {size}", f"Origin: {bench.own}")
+    assert b" 413 " in raw(bench, request(bench, "/wishes", *lines, method="POST") + b"x" * 4096)
+    assert bench.board.next_wish(0.0) is None
+
+
+def test_a_page_elsewhere_with_the_token_may_send_nothing_without_an_origin(bench: Bench) -> None:
+    cookie = {f"labcal-{bench.port}": bench.token}
+    with httpx.Client(base_url=bench.own, cookies=cookie) as client:
+        for site in ("cross-site", "same-site", "none", "same-origin"):
+            answer = client.post("/wishes", json={"command": "take"}, headers={"Sec-Fetch-Site": site})
+            assert answer.status_code == 403
+    assert bench.board.next_wish(0.0) is None
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_no_answer_lets_the_address_go_on_to_another_page(bench: Bench, path: str) -> None:
+    for headers in (bearer(bench), {}):
+        answer = bench.client.get(path, headers=headers)
+        assert answer.headers["referrer-policy"] == "no-referrer"
+        assert bench.token not in answer.text
+
+
+@pytest.mark.parametrize("method", ["HEAD", "OPTIONS", "TRACE", "CONNECT", "POST"])
+def test_without_the_token_no_method_tells_anything(bench: Bench, method: str) -> None:
+    answer = raw(bench, request(bench, "/state", "Connection: close", method=method))
+    assert b" 403 " in answer or b" 400 " in answer
+
+
+@pytest.mark.parametrize(("method", "path"), [("POST", "/state"), ("POST", "/"), ("GET", "/wishes")])
+def test_a_path_answers_its_own_method_alone(bench: Bench, method: str, path: str) -> None:
+    headers = {**bearer(bench), "Origin": bench.own}
+    assert bench.client.request(method, path, headers=headers).status_code == 405
+
+
+@pytest.mark.parametrize("accept", ["text/event-stream", "*/*"])
+def test_neither_events_nor_a_web_socket_without_the_token(bench: Bench, accept: str) -> None:
+    assert bench.client.get("/state", headers={"Accept": accept}).status_code == 403
+    lines = (
+        "Upgrade: websocket",
+        "Connection: Upgrade",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: eA",
+    )
+    assert b" 403 " in raw(bench, request(bench, "/state", *lines))
+
+
+def test_a_view_is_dropped_by_its_name_alone(bench: Bench) -> None:
+    bench.board.show(taken=(ViewShown("view-001"),))
+    for name in ("view-002", "", "../view-001", 1, None, ["view-001"], {"a": 1}):
+        answer = bench.client.post("/wishes", json={"command": "drop", "view": name}, headers=bearer(bench))
+        assert answer.status_code in {400, 404}
+        assert bench.board.next_wish(0.0) is None
+    given = {"command": "drop", "view": "view-001"}
+    assert bench.client.post("/wishes", json=given, headers=bearer(bench)).status_code == 200
+    assert bench.board.next_wish(0.0) == Wish(Command.DROP, "view-001")
+
+
+def test_requests_that_never_end_do_not_shut_the_page_out(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As many connections as the server takes send a part of a head, and no more or a byte now and then."""
+    monkeypatch.setattr(connection, "HEAD_S", 0.5)
+    slow = [socket.create_connection(("127.0.0.1", bench.port), timeout=10) for _ in range(MOST_CONNECTIONS)]
+    try:
+        for number, one in enumerate(slow):
+            one.sendall(b"GET /state HTTP/1.1\r\nX-Slow: " if number % 2 else b"")
+        end = time.monotonic() + 10.0
+        while httpx.get(f"{bench.own}/state", headers=bearer(bench)).status_code != 200:
+            assert time.monotonic() < end
+            for one in slow[1::2]:
+                with contextlib.suppress(OSError):
+                    one.sendall(b"x")
+            time.sleep(0.1)
+        assert all(one.recv(1) == b"" for one in slow[::2])
+    finally:
+        for one in slow:
+            one.close()

@@ -1,5 +1,6 @@
 """The attendant of a capture on the live page: takes what the page wishes, and shows what is seen."""
 
+import json
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -14,13 +15,14 @@ from labcal.capture.advice import Advice
 from labcal.capture.capturing import Captured, CaptureRun, capture_shoot
 from labcal.capture.preview import Previewed
 from labcal.capture.settings import CaptureSettings
-from labcal.capture.source import CameraInfo, FrameSet
+from labcal.capture.source import CameraInfo, Frame, FrameSet
 from labcal.errors import DeviceError
 from labcal.live.board import Board
-from labcal.live.command import Command
-from labcal.live.operator import NO_MORE, Operator
+from labcal.live.command import Command, Wish
+from labcal.live.operator import AWAITED, NO_MORE, Operator
 from labcal.live.shown import Phase
 from labcal.run.progress import NoProgress
+from labcal.shoot.dataset import open_shoot
 from labcal.targets.catalogue import load_target
 
 LONGEST_S = 20.0
@@ -80,11 +82,11 @@ class Bench:
 
     def take(self) -> None:
         views = self.board.shown.views
-        self.board.wish(Command.TAKE)
+        self.board.wish(Wish(Command.TAKE))
         until(self.board, lambda: self.board.shown.views > views)
 
     def end(self) -> Captured:
-        self.board.wish(Command.FINISH)
+        self.board.wish(Wish(Command.FINISH))
         self.thread.join(LONGEST_S)
         assert isinstance(self.outcome, Captured)
         return self.outcome
@@ -123,7 +125,7 @@ def test_views_are_taken_when_they_are_wished_for_and_the_end_too(bench: Bench) 
 
 def test_the_end_is_refused_before_there_are_enough_views(bench: Bench) -> None:
     bench.take()
-    bench.board.wish(Command.FINISH)
+    bench.board.wish(Wish(Command.FINISH))
     until(bench.board, lambda: "At least 3 views" in bench.board.shown.error)
     assert bench.finished == 0
     bench.take()
@@ -133,7 +135,7 @@ def test_the_capture_goes_on_where_the_views_cannot_be_calibrated(bench: Bench) 
     bench.allows = False
     for _ in range(PLACES):
         bench.take()
-    bench.board.wish(Command.FINISH)
+    bench.board.wish(Wish(Command.FINISH))
     until(bench.board, lambda: bench.finished == 1)
     bench.take()
     bench.allows = True
@@ -141,13 +143,13 @@ def test_the_capture_goes_on_where_the_views_cannot_be_calibrated(bench: Bench) 
 
 
 def test_a_still_target_is_taken_by_itself_once_at_each_place(bench: Bench) -> None:
-    bench.board.wish(Command.AUTO)
+    bench.board.wish(Wish(Command.AUTO))
     until(bench.board, lambda: bench.board.shown.views == 1)
     time.sleep(1.5)
     assert bench.board.shown.views == 1
     bench.cameras.at += 1
     until(bench.board, lambda: bench.board.shown.views == 2)
-    bench.board.wish(Command.BY_HAND)
+    bench.board.wish(Wish(Command.BY_HAND))
     until(bench.board, lambda: not bench.board.shown.auto)
     bench.cameras.at += 1
     time.sleep(1.5)
@@ -156,7 +158,7 @@ def test_a_still_target_is_taken_by_itself_once_at_each_place(bench: Bench) -> N
 
 def test_a_moving_target_is_not_taken_by_itself(bench: Bench) -> None:
     bench.cameras.turning = True
-    bench.board.wish(Command.AUTO)
+    bench.board.wish(Wish(Command.AUTO))
     time.sleep(2.0)
     assert bench.board.shown.views == 0
 
@@ -166,7 +168,7 @@ def test_a_refused_set_is_told_and_does_not_end_the_capture(bench: Bench) -> Non
     bench.cameras.turning = True
     for _ in range(7):
         bench.board.show(faults=())
-        bench.board.wish(Command.TAKE)
+        bench.board.wish(Wish(Command.TAKE))
         until(bench.board, lambda: any("the target moved" in fault for fault in bench.board.shown.faults))
     assert bench.board.shown.views == 0
 
@@ -187,7 +189,7 @@ def test_the_capture_ends_after_the_number_of_views_that_is_asked_for(
     bench = Bench(tmp_path / "shoot", cameras, views=2)
     bench.start()
     bench.take()
-    bench.board.wish(Command.TAKE)
+    bench.board.wish(Wish(Command.TAKE))
     bench.thread.join(LONGEST_S)
     assert isinstance(bench.outcome, Captured)
     assert len(bench.outcome.shoot.views()) == 2
@@ -210,7 +212,7 @@ def test_a_recording_shows_what_comes_next_and_says_when_there_is_no_more(
 ) -> None:
     bench = Bench(tmp_path / "shoot", Recording(scenes))
     bench.start()
-    bench.board.wish(Command.AUTO)
+    bench.board.wish(Wish(Command.AUTO))
     until(bench.board, lambda: bench.board.shown.ended)
     assert bench.board.shown.request == NO_MORE
     assert bench.board.shown.enough
@@ -231,6 +233,9 @@ class Adviser:
         assert set(taken.frames) == {"left", "right"}
         self.judged.append(view)
         return ()
+
+    def forget(self, view: str) -> None:
+        self.judged.remove(view)
 
     def advise(self) -> Advice:
         count = len(self.judged)
@@ -273,3 +278,105 @@ def test_the_advice_is_shown_and_each_view_is_judged(
     assert len(followed) == 4
     bench.end()
     assert adviser.judged == ["view-001", "view-002", "view-003"]
+
+
+def images(folder: Path) -> list[str]:
+    return sorted(path.name for path in (folder / "images").iterdir())
+
+
+def test_views_are_taken_out_and_the_shoot_is_whole(bench: Bench, tmp_path: Path) -> None:
+    folder = tmp_path / "shoot"
+    for _ in range(3):
+        bench.take()
+    bench.board.wish(Wish(Command.DROP, "view-002"))
+    until(bench.board, lambda: [one.name for one in bench.board.shown.taken] == ["view-001", "view-003"])
+    assert [view.name for view in open_shoot(folder).views()] == ["view-001", "view-003"]
+    until(bench.board, lambda: "view-002_left.png" not in images(folder))
+    bench.board.wish(Wish(Command.DROP, "view-002"))  # a second browser presses the same button
+    bench.board.wish(Wish(Command.DROP, "view-003"))
+    until(bench.board, lambda: bench.board.shown.views == 1)
+    bench.take()
+    bench.take()
+    captured = bench.end()
+    assert [view.name for view in captured.shoot.views()] == ["view-001", "view-002", "view-003"]
+    assert len(images(folder)) == 6
+    record = json.loads((folder / "capture.json").read_text(encoding="utf-8"))
+    assert sorted({one["view"] for one in record["pictures"]}) == ["view-001", "view-002", "view-003"]
+    assert record["dropped"] == []
+
+
+def test_pictures_leave_after_the_manifest_has_forgotten_them(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A kill at the moment of each deletion leaves a shoot whose pictures are all there."""
+    folder, seen, unlink = tmp_path / "shoot", list[bool](), Path.unlink
+    bench.take()
+    bench.take()
+
+    def watched(path: Path, missing_ok: bool = False) -> None:  # noqa: FBT001, FBT002 -- as pathlib has it
+        if path.suffix == ".png":
+            shoot = open_shoot(folder)
+            named = [image for view in shoot.views() for image in view.images.values()]
+            seen.append(all((folder / image).is_file() for image in named))
+        unlink(path, missing_ok=missing_ok)
+
+    monkeypatch.setattr(Path, "unlink", watched)
+    bench.board.wish(Wish(Command.DROP, "view-001"))
+    until(bench.board, lambda: bench.board.shown.views == 1)
+    assert seen == [True, True]
+
+
+def test_an_advisor_forgets_a_view_that_is_taken_out(
+    tmp_path: Path, scenes: dict[str, list[np.ndarray]]
+) -> None:
+    cameras, adviser = LiveCameras(scenes), Adviser()
+    cameras.turning = False
+    bench = Bench(tmp_path / "shoot", cameras)
+    bench.operator.guide_by(adviser)
+    bench.start()
+    for number in (1, 2):
+        until(bench.board, lambda: bench.board.shown.phase is Phase.AIM)
+        bench.take()
+        until(bench.board, lambda: bench.board.shown.request == f"Closer, pose {number}")  # noqa: B023
+    bench.board.wish(Wish(Command.DROP, "view-001"))
+    until(bench.board, lambda: bench.board.shown.request == "Closer, pose 1")
+    assert adviser.judged == ["view-002"]
+    cameras.unplugged = True
+    bench.thread.join(LONGEST_S)
+
+
+class Tethered(Recording):
+    """Pictures that another program delivers: none so far, and it is late."""
+
+    waits = True
+    delivered = False
+
+    def peek(self) -> FrameSet:
+        if self.unplugged:
+            raise DeviceError("The folder is gone.")
+        if not self.delivered:
+            return FrameSet({}, refusals=("No new picture came for 5 s.",))
+        return FrameSet({name: Frame(pictures[0]) for name, pictures in self.scenes.items()}, "first")
+
+    def trigger(self) -> FrameSet | None:  # type: ignore[override]
+        taken, self.delivered = self.peek(), False
+        return taken
+
+
+def test_the_page_stays_usable_while_another_program_delivers_nothing(
+    tmp_path: Path, scenes: dict[str, list[np.ndarray]]
+) -> None:
+    cameras = Tethered(scenes)
+    bench = Bench(tmp_path / "shoot", cameras)
+    bench.start()
+    until(bench.board, lambda: bench.board.shown.notice == "No new picture came for 5 s.")
+    assert bench.board.shown.request == AWAITED
+    assert bench.board.shown.auto
+    bench.board.wish(Wish(Command.TAKE))  # nothing to take, and nothing blocks
+    bench.board.wish(Wish(Command.BY_HAND))
+    until(bench.board, lambda: not bench.board.shown.auto)
+    bench.board.wish(Wish(Command.AUTO))
+    cameras.delivered = True
+    until(bench.board, lambda: [one.name for one in bench.board.shown.taken] == ["first"])
+    cameras.unplugged = True
+    bench.thread.join(LONGEST_S)
