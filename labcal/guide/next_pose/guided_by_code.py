@@ -64,6 +64,12 @@ class GuidedByCode:
         self._guide, self._before = guide, []
         return self._faults
 
+    def forget(self, view: str) -> None:
+        """Forget a view that has left the shoot."""
+        self._before = [one for one in self._before if one[1] != view]
+        if self._guide is not None:
+            self._guide.forget(view)
+
     def advise(self) -> Advice:
         """Return the advice: to show the code, until it is read."""
         if self._guide is not None:
