@@ -48,7 +48,7 @@ class Diagnosis(PublicObject):
     def warnings(self) -> tuple[str, ...]:
         """Warnings of a calibration from these pictures that speak of no mistake: of lenses and its end."""
         made = self.evidence.calibration
-        if made is None:
+        if made is None or any(one.harm_percent == float("inf") for one in self.findings):
             return ()
         of_views = {*contradiction_message(made), disagreeing_views(made, self.evidence.lens)}
         warned = calibration_warnings(made, self.evidence.lens, self.evidence.target.name)
