@@ -102,12 +102,14 @@ class StageScale:
         the scale alone. Its variance is that of clusters, the views (Liang and Zeger 1986, "Longitudinal data
         analysis using generalized linear models"): dots of a view share the errors of its reading.
         """
-        cameras = [_dots(evidence, name, left_out) for name in evidence.cameras]
-        cameras = [one for one in cameras if len(set(one.view.tolist())) >= _FEWEST]
-        if not cameras:
+        if len(evidence.nominal_poses) < _FEWEST:
             return None
         scale = 1.0
         try:
+            cameras = [_dots(evidence, name, left_out) for name in evidence.detections.cameras]
+            cameras = [one for one in cameras if len(set(one.view.tolist())) >= _FEWEST]
+            if not cameras:
+                return None
             for step in _STEPS:
                 slope, rest, away = _linearised(cameras, scale, step, evidence.lens)
                 square = float((slope**2).sum())
