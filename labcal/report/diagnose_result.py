@@ -61,7 +61,7 @@ class DiagnoseResult:
     refused: list[RefusedResult]
     """Pictures that are left out, with reasons."""
     warnings: list[str]
-    """What `calibrate` says of these pictures besides, of lenses above all; no mistakes of a shoot."""
+    """Warnings of `calibrate` from these pictures that name no mistake of a shoot, of lenses above all."""
     expected_mm: float | None
     """Expected RMS 3-D error over the volume of the target's dots, were there no mistake."""
 
