@@ -37,8 +37,8 @@ def is_doubtful(made: Calibration) -> bool:
 def with_named_causes(made: Calibration, dots: Detections, target: AnyTarget) -> Calibration:
     """Return a calibration of which warnings about contradictory views name the mistakes of a diagnosis.
 
-    The rig stays as it is. A calibration without doubt is not looked at, and where the diagnosis finds no
-    mistake, the warnings stay as they are.
+    The rig stays as it is. A calibration without doubt is not looked at. Where the diagnosis finds no
+    mistake, or not the one that the poses of the target speak of, the warnings stay as they are.
 
     Parameters
     ----------
@@ -58,6 +58,8 @@ def with_named_causes(made: Calibration, dots: Detections, target: AnyTarget) ->
     if doubt is None:
         words = (f"{number}. {one.cause.value}: {one.why}" for number, one in enumerate(causes, start=1))
         return replace(made, warnings=(*made.warnings, *words))
+    if doubt.causes[0].cause.value not in {one.check.value for one in found}:
+        return made  # of a large mistake the poses of the target tell more than a linear model
     before = contradiction_message(made.found)
     named = replace(made.found, disagreement=replace(doubt, causes=causes))
     others = tuple(one for one in made.warnings if one not in before)
