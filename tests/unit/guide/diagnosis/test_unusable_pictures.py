@@ -43,5 +43,5 @@ def test_pictures_without_a_target_have_a_finding_and_status_2(
 def test_a_video_is_refused_with_the_way_to_its_pictures(tmp_path: Path) -> None:
     video = tmp_path / "v.mp4"
     video.write_bytes(b"no video")
-    with pytest.raises(InputError, match="labcal capture video:"):
+    with pytest.raises(InputError, match="from the source video:"):
         diagnose(video, "rings-10x8")
