@@ -102,8 +102,8 @@ def _table(source: object) -> Detections | None:
         path = as_path(source)
         if path.is_file() and path.suffix.lower() in _VIDEOS:
             raise InputError(
-                f"{path} is a video, and pictures are diagnosed. Take pictures out of it with 'labcal capture', "
-                f"from the source video:{path}, and diagnose the shoot."
+                f"{path} is a video, and pictures are diagnosed. Take pictures out of it with 'labcal "
+                f"capture', from the source video:{path}, and diagnose the shoot."
             )
         if path.is_file() and path.suffix.lower() not in SUFFIXES:
             return read_detections(path)
