@@ -16,7 +16,7 @@ def add_parser(commands: CommandGroup) -> None:
         run,
         "Name what is wrong with a shoot, the most harmful first: which cameras and views, what it costs in "
         "mm, how to mend it, and which pictures show it. Exit status: 0 nothing found; 1 something found; 2 "
-        "wrong use, or no usable picture; 3 failed.",
+        "wrong use, or no usable picture (what is wrong with them is said); 3 failed.",
         example="labcal diagnose shoot\n"
         "  labcal diagnose shoot --page diagnosis.html\n"
         "  labcal diagnose photos --target rings-10x8 --cameras '_0=left,_1=right'\n"
@@ -65,4 +65,6 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
                 pictures, arguments.target, arguments.rig, arguments.workers, progress, page=page
             )
     session.emit(diagnose_result(found), in_options(diagnose_words(found)))
+    if not found.is_usable:
+        return ExitStatus.UNUSABLE
     return ExitStatus.PARTIAL if found.findings else ExitStatus.DONE

@@ -1,5 +1,6 @@
 """Pictures that are blurred beside the others of a set."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -21,6 +22,8 @@ _OTHER = 1.7
 
 In drawn pictures edges 1.6 times as wide leave the noise of dots as it is, 1.75 times cost 20% and more.
 """
+_ALIKE = 1.5
+"""The same of cameras with pictures of one size, which are of one kind: their lenses can do the same."""
 
 
 @dataclass(frozen=True)
@@ -39,10 +42,16 @@ class UsualEdges:
     limit_px: float
 
     def is_blurred(self, look: PictureLook) -> bool:
-        """Tell whether a picture is blurred; edges of burnt-out and dark ones do not tell."""
+        """Tell whether a picture is blurred; edges of burnt-out and dark ones do not tell.
+
+        Edges that are wide in one direction alone are those of a motion, whatever the others are.
+        """
         if look.refusal is Refusal.BLURRED:
             return True
-        return not look.burnt and not look.dark and bool(look.widest_px > self.limit_px)
+        if look.burnt or look.dark:
+            return False
+        moved = look.motion_deg is not None and look.widest_px > LEAST_PX
+        return moved or bool(look.widest_px > self.limit_px)
 
     def words(self, look: PictureLook) -> str:
         """Return what is wrong with a blurred picture."""
@@ -64,9 +73,11 @@ def usual_edges(looks: Mapping[str, Sequence[PictureLook]]) -> dict[str, UsualEd
     }
     own = {name: float(np.percentile(of, _SHARP)) for name, of in widths.items() if of}
     sharpest = min(own.values(), default=ALWAYS_PX / _OTHER)
+    sizes = {name: Counter(one.size for one in of).most_common(1) for name, of in looks.items()}
     found = {}
     for name in looks:
         width = own.get(name, sharpest)
-        limit = max(LEAST_PX, min(WIDER * width, _OTHER * sharpest, ALWAYS_PX))
-        found[name] = UsualEdges(width if width <= limit else min(sharpest, limit), limit)
+        alike = min((own[other] for other in own if sizes[other] == sizes[name]), default=sharpest)
+        limit = max(LEAST_PX, min(WIDER * width, _ALIKE * alike, _OTHER * sharpest, ALWAYS_PX))
+        found[name] = UsualEdges(width if width <= limit else min(alike, limit), limit)
     return found

@@ -55,6 +55,8 @@ class PictureLook:
     refusal : Refusal or None
     saturated_dots : float
         Share of the dots that were seen but are flagged as saturated.
+    size : (int, int)
+        Width and height of the picture, px.
     """
 
     paper: float
@@ -65,6 +67,7 @@ class PictureLook:
     sigma_px: float
     refusal: Refusal | None
     saturated_dots: float
+    size: tuple[int, int]
 
     @property
     def burnt(self) -> bool:
@@ -104,6 +107,8 @@ class PictureLook:
         """The fault of the exposure in words; None where it is right."""
         if self.burnt:
             return f"burnt out: {self.burnt_share:.1%} of the target is at full scale"
+        if self.dark and self.refusal is not None:
+            return f"dark all over: levels from {self.ink:.0%} to {self.paper:.0%} of the range"
         if self.dark:
             return f"too dark: paper at {self.paper:.0%} and ink at {self.ink:.0%} of the range"
         return None
@@ -137,6 +142,7 @@ def look_at(picture: Shaped[np.ndarray, "*shape"], dots: PictureDots) -> Picture
         sigma_px=float(np.median(sigma)),
         refusal=dots.refusal,
         saturated_dots=saturated_dots,
+        size=dots.size,
     )
 
 

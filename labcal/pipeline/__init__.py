@@ -14,7 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from labcal.pipeline.acceptance import certify
-from labcal.pipeline.calibration import calibrate, fit
+from labcal.pipeline.calibration import calibrate, fit, training_of
 from labcal.pipeline.capturing import capture
 from labcal.pipeline.check import check
 from labcal.pipeline.comparison import compare
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from labcal.correspond.undistortion import UndistortSettings
     from labcal.detect.settings import DetectSettings, detect_settings
     from labcal.estimators.fit_settings import FitSettings
-    from labcal.estimators.fitting import estimators_of, fit_methods, training_of
+    from labcal.estimators.fitting import estimators_of, fit_methods
     from labcal.evaluate.acceptance.certify_settings import CertifySettings
     from labcal.evaluate.acceptance.length_plan import plan_lengths
     from labcal.evaluate.comparison.compare_settings import CompareSettings
@@ -153,7 +153,6 @@ _HOMES = {
     "plan_lengths": "labcal.evaluate.acceptance.length_plan",
     "open_pictures": "labcal.correspond.picture_set",
     "fit_methods": "labcal.estimators.fitting",
-    "training_of": "labcal.estimators.fitting",
     "write_mark_overlays": "labcal.report.mark_overlays",
     "write_overlays": "labcal.report.overlays",
 }

@@ -1,5 +1,6 @@
 """Cameras and methods from dots."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from labcal.arguments import one_text, settings_of
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from labcal.calibrate.calibration import Calibration
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.estimators.fit_settings import FitSettings
+    from labcal.estimators.fitting import Training
     from labcal.report.page.output import PageOutput
 
 
@@ -71,6 +73,7 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
     """
     from labcal.calibrate.calibration import calibrated
     from labcal.calibrate.handheld import HandheldSettings
+    from labcal.guide.diagnosis.named_causes import with_named_causes
 
     output = claimed_page(page, [source, detections])
     lens = None if lens is None else one_text(lens, "lens")
@@ -83,7 +86,7 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
         tested = {view.name for view in shown.views(Role.TEST)}
         rest = [view for view in dots.views if view not in tested]
         kept_back = [view for view in dots.views if view in tested or view in held_out_views(rest, hold_out)]
-    made = calibrated(dots, target, lens, settings, kept_back, progress)
+    made = with_named_causes(calibrated(dots, target, lens, settings, kept_back, progress), dots, target)
     if output is not None:
         from labcal.report.calibration_page import calibration_page
 
@@ -91,6 +94,53 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
         maker = page_maker(output, "calibrate", {**given, "page": output.path})
         output.write(calibration_page(made, dots, target, maker))
     return made
+
+
+def training_of(
+    source: Shoot | AnyTarget,
+    detections: Detections,
+    settings: "FitSettings | None" = None,
+    progress: Progress | None = None,
+) -> "Training":
+    """Return training data: centres of dots, and their places.
+
+    Parameters
+    ----------
+    source : Shoot or AnyTarget
+        A shoot, of which training views are used; or the target, held in the hand in all views.
+    detections : Detections
+        Centroids.
+    settings : FitSettings, optional
+    progress : Progress, optional
+
+    Returns
+    -------
+    Training
+        Pixels and points (mm), how the target was placed, and warnings.
+
+    Raises
+    ------
+    InputError
+        As of :func:`~labcal.correspond.training.training_data`, or of
+        :func:`~labcal.calibrate.calibration.calibrated`.
+
+    Examples
+    --------
+    >>> from labcal import examples, load_target, pipeline
+    >>> target, dots = load_target(examples.TARGET), examples.detections()
+    >>> training = pipeline.training_of(target, dots, pipeline.FitSettings(lens="brown5"))
+    >>> training.centred.data.X.shape, training.centred.data.Y.shape  # pixels of two cameras, and mm
+    ((704, 4), (704, 3))
+    """
+    from labcal.estimators import fitting
+    from labcal.guide.diagnosis.named_causes import with_named_causes
+
+    training = fitting.training_of(source, detections, settings, progress)
+    if training.held is None:
+        return training
+    target = source.target if isinstance(source, Shoot) else source
+    held = with_named_causes(training.held, detections, target)
+    return replace(training, held=held, warnings=held.warnings)
 
 
 def fit(
@@ -139,7 +189,7 @@ def fit(
     Model(method=dlt, cameras=['left', 'right'], outputs=3, calibrated_on=8 views)
     """
     from labcal.estimators.fit_settings import FitSettings
-    from labcal.estimators.fitting import estimators_of, fit_methods, training_of
+    from labcal.estimators.fitting import estimators_of, fit_methods
 
     output = claimed_page(page, [source, detections])
     settings, progress = settings_of(settings, FitSettings), progress_of(progress)

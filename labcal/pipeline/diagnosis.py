@@ -7,6 +7,7 @@ from labcal.cameras.rig import Rig
 from labcal.cameras.rig_file import read_rig
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
+from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.pipeline.detection import measure_pictures
 from labcal.pipeline.pages import claimed_page, page_maker
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
     from labcal.correspond.picture_set import AnyPictures
     from labcal.guide.diagnosis.diagnosis import Diagnosis
     from labcal.report.page.output import PageOutput
+
+_VIDEOS = frozenset(
+    [".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm", ".mpg", ".mpeg", ".wmv", ".mts", ".3gp"]
+)
 
 
 def diagnose(
@@ -95,6 +100,11 @@ def _table(source: object) -> Detections | None:
 
     if isinstance(source, str | os.PathLike):
         path = as_path(source)
+        if path.is_file() and path.suffix.lower() in _VIDEOS:
+            raise InputError(
+                f"{path} is a video, and pictures are diagnosed. Take pictures out of it with 'labcal "
+                f"capture', from the source video:{path}, and diagnose the shoot."
+            )
         if path.is_file() and path.suffix.lower() not in SUFFIXES:
             return read_detections(path)
     return None

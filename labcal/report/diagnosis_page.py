@@ -8,7 +8,7 @@ from labcal.evaluate.verdict.amounts import millimetres
 from labcal.evaluate.verdict.verdict import Belief, Verdict
 from labcal.guide.diagnosis.diagnosis import Diagnosis
 from labcal.guide.diagnosis.finding import Finding
-from labcal.report.diagnose_result import harm_words
+from labcal.report.diagnose_result import harm_words, refused_words
 from labcal.report.page.chart import Chart
 from labcal.report.page.document import Page, Section
 from labcal.report.page.part import Part
@@ -51,6 +51,11 @@ def diagnosis_page(found: Diagnosis, maker: PageMaker) -> Page:
     if found.explained:
         words = [f"{one.check.value}: explained by {one.explained_by}." for one in found.explained]
         sections.append(Section("Explained by these", [Prose(tuple(words))]))
+    if found.refused:
+        sections.append(Section("Pictures left out", [Prose((maker.phrase(refused_words(found)),))]))
+    if found.warnings:
+        words = [maker.phrase(one) for one in found.warnings]
+        sections.append(Section("Warnings of the calibration", [Prose(tuple(words))]))
     if found.not_judged:
         columns = [Column("check", Side.LEFT), Column("why", Side.WIDE)]
         rows = [[one.check.value, maker.phrase(one.why)] for one in found.not_judged]

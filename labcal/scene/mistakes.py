@@ -5,6 +5,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from labcal.cameras.camera import Camera
 from labcal.errors import InputError
 from labcal.geometry.poses import from_rotation_vector, pose
 from labcal.rng import generator
@@ -18,6 +19,8 @@ DRIFT_MM = 4.0
 DRIFT_DEG = 0.4
 KNOCK_MM = 3.0
 KNOCK_DEG = 0.5
+REFOCUS = 0.01
+"""Relative change of the focal length."""
 DEFOCUS = 0.002
 """Standard deviation of the blur, as a share of the picture's width; most rings stay rings."""
 
@@ -31,10 +34,11 @@ class Mistake(StrEnum):
     UNSYNCHRONISED = "unsynchronised"
     CAMERA_KNOCKED = "camera-knocked"
     OUT_OF_FOCUS = "out-of-focus"
+    REFOCUSED = "refocused"
 
 
 _OF_A_PAIR = {Mistake.SWAPPED_CAMERAS, Mistake.UNSYNCHRONISED, Mistake.CAMERA_KNOCKED}
-_BETWEEN_VIEWS = {Mistake.SWAPPED_CAMERAS, Mistake.BOARD_TURNED, Mistake.CAMERA_KNOCKED}
+_BETWEEN_VIEWS = {*_OF_A_PAIR, Mistake.BOARD_TURNED, Mistake.REFOCUSED} - {Mistake.UNSYNCHRONISED}
 
 
 @dataclass(frozen=True)
@@ -261,6 +265,30 @@ def _lose_focus(shooting: Shooting) -> Outcome:
     )
 
 
+def _refocus(shooting: Shooting) -> Outcome:
+    """Lengthen the focal length of the second camera, or of the only one, from the middle view on."""
+    changed, later = shooting.cameras[:2][-1], _later_views(shooting)
+    factor = 1.0 + shooting.size * REFOCUS
+    takes = tuple(
+        replace(take, device=_refocused(take.device, factor))
+        if take.camera == changed and take.view in later
+        else take
+        for take in shooting.takes
+    )
+    return Outcome(
+        takes,
+        f"Camera '{changed}' has been refocused: its focal length is {100.0 * (factor - 1.0):.3g}% longer.",
+        later,
+    )
+
+
+def _refocused(device: Camera, factor: float) -> Camera:
+    """Return a camera with another focal length; principal point and distortion stay."""
+    K = device.K.copy()
+    K[[0, 1], [0, 1]] *= factor
+    return replace(device, K=K)
+
+
 _MADE = {
     Mistake.SWAPPED_CAMERAS: _swap_cameras,
     Mistake.BOARD_TURNED: _turn_board,
@@ -268,4 +296,5 @@ _MADE = {
     Mistake.UNSYNCHRONISED: _expose_later,
     Mistake.CAMERA_KNOCKED: _knock_camera,
     Mistake.OUT_OF_FOCUS: _lose_focus,
+    Mistake.REFOCUSED: _refocus,
 }

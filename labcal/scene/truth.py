@@ -58,10 +58,13 @@ def true_view(takes: list[Take], cameras: dict[str, CameraRecord]) -> TrueView:
     for take in takes:
         T_cam_world = matrix4_record(take.device.T_cam_world)
         T_world_target_then = matrix4_record(take.track.T_world_target)
+        (a, b, c), (d, e, f), (g, h, i) = take.device.K.tolist()
+        K = ((a, b, c), (d, e, f), (g, h, i))
         own = TruePicture(
             taken_by=None if take.taken_by == take.camera else take.taken_by,
             T_cam_world=None if T_cam_world == cameras[take.camera].T_cam_world else T_cam_world,
             T_world_target=None if T_world_target_then == T_world_target else T_world_target_then,
+            K=None if take.taken_by != take.camera or K == cameras[take.camera].K else K,
         )
         if own != TruePicture():
             pictures[take.camera] = own

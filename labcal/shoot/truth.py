@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from labcal.arrays import Mask, Pixels, Vectors3
 from labcal.bounds import MOST_INDEX, MOST_MM
-from labcal.cameras.record import CameraRecord, PoseRecord
+from labcal.cameras.record import CameraRecord, Matrix3Record, PoseRecord
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_file import checked_rig
 from labcal.paths import AnyPath, as_path
@@ -38,6 +38,8 @@ class TruePicture(BaseModel):
     """Pose of that camera."""
     T_world_target: PoseRecord | None = None
     """Pose of the target."""
+    K: Matrix3Record | None = None
+    """Camera matrix, px, of a lens that was refocused."""
 
 
 class TrueView(BaseModel):

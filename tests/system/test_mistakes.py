@@ -72,10 +72,12 @@ def test_dots_are_where_the_truth_of_their_own_picture_says(
             ("test-shifted", camera): {"taken_by", "T_cam_world"} for camera in ("left", "right")
         },
         Mistake.CAMERA_KNOCKED: {("test-shifted", "right"): {"T_cam_world"}},
+        Mistake.REFOCUSED: {("test-shifted", "right"): {"K"}},
         Mistake.UNSYNCHRONISED: {(view, "right"): {"T_world_target"} for view in VIEWS},
     }
     assert told == expected.get(mistake, {})
-    changed = ["test-shifted"] if mistake in {"swapped-cameras", "camera-knocked", "board-turned"} else VIEWS
+    later = {"swapped-cameras", "camera-knocked", "board-turned", "refocused"}
+    changed = ["test-shifted"] if mistake in later else VIEWS
     assert truth["mistake_views"] == changed
     as_meant = json.loads((plain / "truth" / "truth.json").read_text())
     assert truth["cameras"] == as_meant["cameras"]

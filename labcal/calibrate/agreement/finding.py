@@ -13,6 +13,11 @@ class CauseName(StrEnum):
     SWAPPED_CAMERAS = "swapped-cameras"
     CAMERA_MOVED = "camera-moved"
     UNSYNCHRONISED = "unsynchronised"
+    TURNED_TARGET = "turned-target"
+    REFOCUSED = "refocused"
+    ROLLING_SHUTTER = "rolling-shutter"
+    BENT_BOARD = "bent-board"
+    WRONG_PITCH = "wrong-pitch"
     LENS_MISFIT = "lens-misfit"
 
 

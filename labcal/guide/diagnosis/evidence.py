@@ -21,6 +21,7 @@ from labcal.guide.diagnosis.forms.explaining import Explained, explained
 from labcal.guide.diagnosis.forms.rig_error import with_rig_errors
 from labcal.guide.diagnosis.forms.shoot_model import ShootModel
 from labcal.guide.diagnosis.labelling import Labelling, labelling
+from labcal.guide.diagnosis.shown_target import shown_instead
 from labcal.guide.diagnosis.support.remedies import Remedies
 from labcal.guide.picture_look import PictureLook, look_at
 from labcal.guide.volume_cost import Volume
@@ -57,9 +58,15 @@ class Evidence:
         return bool(self.measurements)
 
     @property
+    def is_usable(self) -> bool:
+        """True if at least one dot has an id and is measured."""
+        return bool((self.detections.ok & self.detections.has_id).any())
+
+    @property
     def cameras(self) -> tuple[str, ...]:
-        """All cameras, in order."""
-        return tuple(self.detections.cameras)
+        """All cameras, in order; those of which no picture shows a dot come last."""
+        of_pictures = [one.source.camera for one in self.measurements]
+        return tuple(dict.fromkeys([*self.detections.cameras, *of_pictures]))
 
     @cached_property
     def nominal_poses(self) -> dict[str, Pose]:
@@ -153,6 +160,11 @@ class Evidence:
             return None
         noise = float(np.mean(np.square(found.pixel_sigma_px)))
         return Volume.at(found.rig, found.places, noise * np.eye(2))
+
+    @cached_property
+    def shown_instead(self) -> str | None:
+        """The shipped target that refused pictures show instead of the named one; None where none fits."""
+        return shown_instead(self.measurements, self.target.name)
 
     @cached_property
     def looks(self) -> tuple[PictureLook | None, ...]:

@@ -98,3 +98,21 @@ def test_dim_paper_is_dark_at_any_contrast_and_a_refused_picture_of_a_grey_wall_
     assert replace(_look(), paper=0.4, ink=0.05).dark
     assert not replace(_look(), paper=0.6, ink=0.05).dark
     assert not replace(_look(), paper=0.51, ink=0.5, refusal=Refusal.TOO_FEW_DOTS).dark
+
+
+def test_cameras_of_one_picture_size_are_held_against_each_other_more_closely() -> None:
+    sharp, soft = [_look()] * 3, [_look(0.8, 3.0)] * 3
+    of_another_kind = [replace(one, size=(640, 480)) for one in soft]
+    alike = usual_edges({"left": sharp, "right": soft})["right"]
+    other = usual_edges({"left": sharp, "right": of_another_kind})["right"]
+    assert alike.limit_px < other.limit_px
+
+
+def test_a_motion_in_all_pictures_is_found_by_its_direction() -> None:
+    moved = [_look(motion=9)] * 3
+    assert usual_edges({"left": moved, "right": moved})["left"].is_blurred(moved[0])
+
+
+def test_a_dark_picture_without_a_target_is_not_said_to_show_paper_and_ink() -> None:
+    empty = replace(_look(), paper=0.04, ink=0.0, refusal=Refusal.NO_DOTS)
+    assert str(empty.exposure_words).startswith("dark all over")

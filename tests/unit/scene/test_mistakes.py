@@ -242,3 +242,13 @@ def test_a_mistake_has_a_size() -> None:
             outcome(load_scene("webcam-handheld", changes), 0, 4)
     with pytest.raises(InputError, match="Leave mistake_size out"):
         outcome(load_scene("webcam-plane", ("mistake=board-turned", "mistake_size=0.5")), 0)
+
+
+def test_a_refocused_lens_has_another_focal_length_later() -> None:
+    takes = outcome(scene_with("webcam-volume", "refocused"), 0).takes
+    focal = {(take.view, take.camera): float(take.device.K[0, 0]) for take in takes}
+    views = list(dict.fromkeys(take.view for take in takes))
+    for at, view in enumerate(views):
+        later = at >= len(views) // 2
+        assert focal[view, "right"] == pytest.approx(704.0 * (1.01 if later else 1.0))
+        assert focal[view, "left"] == pytest.approx(700.0)

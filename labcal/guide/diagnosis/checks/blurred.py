@@ -37,8 +37,13 @@ def _of_camera(evidence: Evidence, camera: str, usual: UsualEdges) -> tuple[Find
         f"{counted(len(faulty), 'picture')} of {len(looked)} of camera '{camera}' are blurred: edges are "
         f"{width:.1f} px wide, where {usual.width_px:.1f} px is usual."
     )
+    usual_px = usual.width_px
     if 2 * len(moved) > len(faulty):
-        words += " They are wide in one direction: the target or the camera moved."
+        usual_px = float(np.median([np.nanmin(one[2].directions_px) for one in moved]))
+        words = (
+            f"{counted(len(faulty), 'picture')} of {len(looked)} of camera '{camera}' are blurred by motion: "
+            f"edges are {width:.1f} px wide in one direction, {usual_px:.1f} px in others."
+        )
         mend = "Hold the target still, or shorten the exposure and add light; take these views again."
     elif len(faulty) == len(looked):
         mend = "Focus the camera on the target and fix the focus, then take all views again."
@@ -47,6 +52,6 @@ def _of_camera(evidence: Evidence, camera: str, usual: UsualEdges) -> tuple[Find
             "Keep the target within the depth of field (or close the aperture), and take these views again."
         )
     sound = [one[2] for one in looked if not usual.is_blurred(one[2])]
-    least = float(np.sqrt(max(1.0, width / usual.width_px)) - 1.0)
+    least = float(np.sqrt(max(1.0, width / usual_px)) - 1.0)
     harm = noise_increase([one[2] for one in faulty], sound, least)
     return (picture_finding(evidence, CheckName.BLURRED, (camera, faulty), (words, mend), harm),)

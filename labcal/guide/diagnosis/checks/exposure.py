@@ -1,5 +1,6 @@
 """Pictures that are burnt out or too dark."""
 
+from labcal.detect.flags import Refusal
 from labcal.guide.diagnosis.check_name import CheckName
 from labcal.guide.diagnosis.evidence import Evidence
 from labcal.guide.diagnosis.finding import CheckResult, Finding, NotJudged
@@ -8,6 +9,8 @@ from labcal.wording import counted
 
 _DARK_HARM = 0.2
 """Least increase of noise that is stated where all pictures are dark."""
+
+_UNSEEN = " No dot is seen in them: look whether the target is in sight and the lens uncovered."
 
 
 def check(evidence: Evidence) -> CheckResult:
@@ -39,6 +42,11 @@ def _of_camera(evidence: Evidence, camera: str) -> tuple[Finding, ...]:
         words = (
             f"{counted(len(faulty), 'picture')} of {len(looked)} of camera '{camera}': the worst is {worst}."
         )
+        unseen = all(one[2].refusal is Refusal.NO_DOTS for one in faulty)
         harm = noise_increase([one[2] for one in faulty], sound, _DARK_HARM)
-        found.append(picture_finding(evidence, CheckName.EXPOSURE, (camera, faulty), (words, mend), harm))
+        found.append(
+            picture_finding(
+                evidence, CheckName.EXPOSURE, (camera, faulty), (words, mend + _UNSEEN * unseen), harm
+            )
+        )
     return tuple(found)

@@ -36,9 +36,8 @@ def _next_to_none(evidence: Evidence) -> tuple[Finding, ...]:
     dots = evidence.detections.where(evidence.detections.ok & evidence.detections.has_id)
     of = {name: tuple(dict.fromkeys(dots.view[dots.camera == name].tolist())) for name in evidence.cameras}
     few = tuple(name for name, views in of.items() if len(views) < MIN_VIEWS)
-    taken = {one.source.view for one in evidence.measurements} | set(evidence.detections.views)
-    if not few or evidence.nominal_poses or len(taken) >= 2 * MIN_VIEWS:
-        return ()  # of many pictures that cannot be measured, other checks tell why
+    if not few or evidence.nominal_poses:
+        return ()
     return (
         Finding(
             CheckName.TOO_FEW_VIEWS,

@@ -7,6 +7,7 @@ from labcal.guide.diagnosis.forms.explaining import Explanation
 from labcal.guide.diagnosis.forms.shoot_model import ShootModel
 from labcal.guide.diagnosis.residual_findings import residual_findings
 from labcal.guide.diagnosis.stage_scale import StageScale
+from labcal.guide.diagnosis.stage_turns import turned_on_stage
 
 _MEND = (
     "Measure a long row of dots with a ruler and declare the pitch that you find; print at 100%, without "
@@ -17,9 +18,9 @@ _MEND = (
 def check(evidence: Evidence) -> CheckResult:
     """Return the finding."""
     found = residual_findings(evidence, CheckName.WRONG_PITCH, _words)
+    scale = StageScale.of(evidence, tuple(turned_on_stage(evidence)))
     if isinstance(found, NotJudged):
-        return found
-    scale = StageScale.of(evidence)
+        return found if scale is None else _by_stage(evidence, scale)
     if scale is not None:
         return (*found, *_by_stage(evidence, scale))
     if found:
@@ -50,8 +51,8 @@ def _by_stage(evidence: Evidence, scale: StageScale) -> tuple[Finding, ...]:
     if scale.p_value >= LEVEL or (percent is not None and percent < 100.0 * LEAST_HARM):
         return ()
     words = (
-        f"The stage's readings say that the pitch is {scale.percent:+.2g} +- {scale.sigma_percent:.1g}% "
-        "larger than declared."
+        f"The stage's readings say that the pitch differs from the declared one by {scale.percent:+.2g} +- "
+        f"{scale.sigma_percent:.1g}%."
     )
     return (
         Finding(
