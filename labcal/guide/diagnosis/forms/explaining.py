@@ -27,7 +27,8 @@ CHANGES = {CheckName.CAMERA_MOVED, CheckName.REFOCUSED}
 """Mistakes after which the cameras are others than before."""
 BY_VIEW = {CheckName.UNSYNCHRONISED, CheckName.ROLLING_SHUTTER}
 """Mistakes that are others in each view."""
-_SHAPES = {CheckName.BENT_BOARD, CheckName.WRONG_PITCH}
+SHAPES = {CheckName.BENT_BOARD, CheckName.WRONG_PITCH}
+"""Mistakes that are smooth shapes of the board."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,8 @@ class Explanation:
         RMS 3-D error over the volume that it adds; None of one camera.
     budget_mm : float or None
         Expected RMS 3-D error without any mistake.
+    declared_mm : float or None
+        As `bias_mm`, by the linear model, with the dots as declared.
     """
 
     hypothesis: Hypothesis
@@ -55,13 +58,22 @@ class Explanation:
     size: np.ndarray
     bias_mm: float | None = None
     budget_mm: float | None = None
+    declared_mm: float | None = None
 
     @property
     def harm_percent(self) -> float | None:
         """Relative increase of the expected 3-D error, %."""
-        if self.bias_mm is None or not self.budget_mm:
+        return self._increase(self.bias_mm)
+
+    @property
+    def declared_harm_percent(self) -> float | None:
+        """Relative increase of the expected 3-D error with the dots as declared, %."""
+        return self._increase(self.declared_mm)
+
+    def _increase(self, bias_mm: float | None) -> float | None:
+        if bias_mm is None or not self.budget_mm:
             return None
-        return 100.0 * float(np.hypot(1.0, self.bias_mm / self.budget_mm) - 1.0)
+        return 100.0 * float(np.hypot(1.0, bias_mm / self.budget_mm) - 1.0)
 
     def of_views(self, views: tuple[int, ...], bias_mm: float | None) -> "Explanation":
         """Return it as one of several views."""
@@ -152,7 +164,7 @@ def _explanation(
     uneven print leaves residuals that poses of single pictures would explain as well.
     """
     found = _tested_beside(model, current, before, one, fit)
-    if found.p_value >= LEVEL or one.check in _SHAPES:
+    if found.p_value >= LEVEL or one.check in SHAPES:
         return found
     uneven = (*current, any_shape(model.forms))
     beside = _tested_beside(model, uneven, model.fit(uneven), one, model.fit((*uneven, *one.terms)))
@@ -185,7 +197,7 @@ def _noise(
     """
     fit, own = found
     freedom = model.freedom(fit)
-    if one.check in _SHAPES:
+    if one.check in SHAPES:
         more = model.fit((*terms, shape_controls(model.forms)))
     elif one.check is CheckName.REFOCUSED and one.camera is not None:
         more = model.fit((*terms, each_focus(model.forms, one.camera)))
@@ -232,5 +244,5 @@ def _judged(
             if one.check in CHANGES:
                 later = model.in_rig(one.terms[0].columns, explanation.size)
             bias = model.bias_mm(fit, without, noise, later)
-        found.append(replace(explanation, bias_mm=bias, budget_mm=budget))
+        found.append(replace(explanation, bias_mm=bias, budget_mm=budget, declared_mm=bias))
     return Explained(tuple(found), by_themselves, noise)
