@@ -29,7 +29,7 @@ _DECLARED = HandheldSettings(dot_places=DotTreatment.DECLARED)
 
 
 def harmful_size(check: CheckName, shoot: HeldShoot, pattern: int) -> float:
-    """Return the size of a mistake that makes points measured with this shoot's calibration worse by a quarter.
+    """Return the size of a mistake that makes points measured with a shoot's rig worse by a quarter.
 
     Of the same kind of shoot one suffers several times as much as another by the same mistake, so that a size
     for all shoots leaves mistakes among them that harm nothing. With the RMS error e of points by the good

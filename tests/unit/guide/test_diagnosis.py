@@ -81,15 +81,6 @@ def test_a_small_mistake_beside_a_large_one_is_named_second() -> None:
     assert [one.check for one in found] == [CheckName.CAMERA_MOVED, CheckName.WRONG_PITCH]
 
 
-def test_a_bent_board_that_a_calibration_with_freed_dots_takes_up_is_named() -> None:
-    random = np.random.default_rng(1)
-    bent = MISTAKES[CheckName.BENT_BOARD](good_shoot("wide", "rings", 16, random), 2.0, random)
-    evidence = Evidence(bent.described, simulated_dots(bent, random))
-    assert evidence.calibration is not None
-    assert evidence.calibration.dot_decision.frees
-    assert [one.check for one in diagnosed(evidence).findings] == [CheckName.BENT_BOARD]
-
-
 def test_the_exchanged_views_are_named() -> None:
     good, dots = mistaken(CheckName.SWAPPED_CAMERAS, 0.3)
     untouched = simulated_dots(good, np.random.default_rng(1))

@@ -102,12 +102,13 @@ def explained(model: ShootModel) -> Explained:
     """Return the mistakes that explain the residuals of a shoot.
 
     Mistakes are added one by one, the one that explains most first, as long as the next is significant;
-    those that the later ones have made superfluous are removed.
+    those that the later ones have made superfluous are removed, and those that another one explains better
+    beside the later ones are exchanged for it.
     """
     chosen: list[Hypothesis] = []
     first: tuple[Explanation, ...] = ()
     everything = list(hypotheses(model.forms))
-    while len(chosen) < _MOST:
+    for _ in range(_MOST):
         tested = _tested(model, chosen, everything)
         significant = [one for one in tested if one.p_value < LEVEL]
         first = first or tuple(significant)
@@ -116,6 +117,7 @@ def explained(model: ShootModel) -> Explained:
         best = max(significant, key=_score)
         chosen.append(best.hypothesis)
         chosen = _without_superfluous(model, chosen)
+        chosen = _exchanged(model, chosen, everything)
     return _judged(model, chosen, first)
 
 
@@ -222,6 +224,23 @@ def _without_superfluous(model: ShootModel, chosen: Sequence[Hypothesis]) -> lis
         before, fit = model.fit(current), model.fit((*current, *one.terms))
         if redundant or _explanation(model, current, before, one, fit).p_value >= LEVEL:
             kept = others
+    return kept
+
+
+def _exchanged(
+    model: ShootModel, chosen: Sequence[Hypothesis], everything: Sequence[Hypothesis]
+) -> list[Hypothesis]:
+    """Return the hypotheses, each exchanged for the one that explains most beside all others.
+
+    A camera that moved is not significant beside a board that is not yet known to be bent, which makes all
+    views differ; what was taken in its place then is not what explains the shoot best.
+    """
+    kept = list(chosen)
+    for one in chosen if len(chosen) > 1 else ():
+        others = [other for other in kept if other is not one]
+        rivals = [rival for rival in _tested(model, others, everything) if rival.p_value < LEVEL]
+        if rivals:
+            kept = [*others, max(rivals, key=_score).hypothesis]
     return kept
 
 

@@ -23,7 +23,7 @@ def with_rig_errors(found: Explained, model: ShootModel, calibration: HandheldCa
 
     The linear model tells their shares; of large mistakes it overestimates the sum. Errors that each view has
     for itself leave no mended rig that is sure enough to compare with: among such, costs stay as they are. A
-    calibration that has freed the dots takes up the shape of the board, which then has no share beside others.
+    calibration that has freed the dots takes up the board's shape, which then has no share beside others.
 
     Parameters
     ----------
