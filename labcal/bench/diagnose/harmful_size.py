@@ -25,6 +25,8 @@ _TRIED = 4
 """Sizes at which the difference is measured, at most."""
 _LINEAR = 3.0
 """Factor between two sizes up to which the difference of rigs is taken as linear."""
+_FEWEST = 0.5
+"""Share of the points that both rigs must reconstruct."""
 _DECLARED = HandheldSettings(dot_places=DotTreatment.DECLARED)
 
 
@@ -91,7 +93,7 @@ class _Points:
 
 def _apart(found: np.ndarray, true: np.ndarray) -> float:
     good = np.isfinite(found).all(axis=1) & np.isfinite(true).all(axis=1)
-    if good.mean() < 0.5:  # noqa: PLR2004 -- half of the points
+    if good.mean() < _FEWEST:
         return float("inf")
     moved = transform(rigid_alignment(true[good], found[good]), found[good])
     return float(np.sqrt(((moved - true[good]) ** 2).sum(axis=1).mean()))

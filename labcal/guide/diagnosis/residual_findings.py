@@ -9,6 +9,7 @@ from labcal.guide.diagnosis.check_name import CheckName
 from labcal.guide.diagnosis.evidence import Evidence
 from labcal.guide.diagnosis.finding import CheckResult, Finding, NotJudged
 from labcal.guide.diagnosis.forms.explaining import SHAPES, Explained, Explanation
+from labcal.guide.diagnosis.forms.hypotheses import PAIR
 from labcal.guide.diagnosis.forms.shoot_model import ShootModel
 from labcal.wording import listed
 
@@ -61,7 +62,7 @@ def camera_names(model: ShootModel, one: Explanation) -> tuple[str, ...]:
     if camera is None:
         return model.names
     both = one.hypothesis.check in (CheckName.CAMERA_MOVED, CheckName.UNSYNCHRONISED)
-    if both and len(model.names) == 2:  # noqa: PLR2004 -- of two cameras nothing tells which
+    if both and len(model.names) == PAIR:
         return model.names
     return (model.names[camera],)
 
