@@ -21,7 +21,7 @@ _TOGETHER = (
     (("camera-moved", 2), ("bent-board", 0)),
     (("refocused", 2), ("wrong-pitch", 0)),
     (("unsynchronised", 2), ("bent-board", 0)),
-    (("bent-board", 2), ("poor-coverage", 0)),
+    (("poor-coverage", 2), ("bent-board", 0)),
     (("swapped-cameras", 1), ("camera-moved", 0)),
     (("turned-target", 1), ("wrong-pitch", 0)),
 )

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from labcal.bench.diagnose.drawn_shoot import Fault, drawn_shoot
+from labcal.bench.diagnose.harmful_size import harmful_size
 from labcal.bench.diagnose.held_shoot import PAIRS, Hand, HeldShoot, good_shoot
 from labcal.bench.diagnose.mistakes import MISLABELLED, MISTAKES
 from labcal.bench.diagnose.simulated_dots import simulated_dots
-from labcal.bench.diagnose.sizes import size_of
+from labcal.bench.diagnose.sizes import TIMES, size_of
 from labcal.bench.solve.pair_dots import CAMERAS
 from labcal.correspond.measure import detections_of
 from labcal.guide.diagnosis.check_name import CheckName
@@ -19,8 +20,8 @@ from labcal.targets.grid import DotGrid, Rings
 
 DRAWN = (CheckName.BLURRED, CheckName.EXPOSURE, CheckName.WRONG_TARGET)
 """Mistakes that only pictures show."""
-_DRAWN_VIEWS, _GOOD_DRAWN_VIEWS = 6, 12
-"""Few views show a fault of pictures; a good shoot has as many as `diagnose` asks for."""
+_DRAWN_VIEWS = 12
+"""As many as `diagnose` asks for: of 6 views it says with reason that they are few."""
 _VIEWS = (10, 22)
 _MOTION = 4.0
 """Length of a blur of motion, in standard deviations of a defocus that is as wide."""
@@ -51,10 +52,12 @@ def evidence_of(
     if drawn:
         (check, level), *_ = drawn
         return _drawn(check, level, (good_shoot(kind, layout, _DRAWN_VIEWS, random), folder), random)
-    shoot = _held(mistakes, rig, random)
+    shoot = good = _held(mistakes, rig, random)
     for check, level in mistakes:
         if check in MISTAKES:
-            shoot = MISTAKES[check](shoot, size_of(check, kind, level), random)
+            pattern = int(random.integers(2**31))
+            size = TIMES[level] * harmful_size(check, good, pattern)
+            shoot = MISTAKES[check](shoot, size, np.random.default_rng(pattern))
     dots = simulated_dots(shoot, random)
     for check, level in mistakes:
         if check in MISLABELLED:
@@ -64,7 +67,7 @@ def evidence_of(
 
 def drawn_evidence(rig: tuple[str, str], folder: Path, random: np.random.Generator) -> Evidence:
     """Return the evidence of a good shoot with its pictures."""
-    return _shown(good_shoot(*rig, _GOOD_DRAWN_VIEWS, random), Fault(), folder, random)
+    return _shown(good_shoot(*rig, _DRAWN_VIEWS, random), Fault(), folder, random)
 
 
 def _held(

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from labcal.guide.diagnosis.check_name import CheckName
 
 LEVELS = 3
-_TIMES = (1.0, 2.0, 5.0)
+TIMES = (1.0, 2.0, 5.0)
+"""Sizes of the levels, in units of the smallest."""
 _SMALLEST: Mapping[CheckName, Mapping[str, float]] = {
     CheckName.UNSYNCHRONISED: {"wide": 0.28, "narrow": 0.032, "webcam": 0.17},
     CheckName.CAMERA_MOVED: {"wide": 0.03, "narrow": 0.0036, "webcam": 0.018},
@@ -14,7 +15,10 @@ _SMALLEST: Mapping[CheckName, Mapping[str, float]] = {
     CheckName.WRONG_PITCH: {"wide": 0.00096, "narrow": 0.00038, "webcam": 0.00175},
     CheckName.ROLLING_SHUTTER: {"wide": 1.8, "narrow": 0.185, "webcam": 0.62},
 }
-"""About the sizes at which the RMS 3-D error grows by 20%, in the units of the mistake."""
+"""About the sizes at which the RMS 3-D error grows by 20%, in the units of the mistake: first guesses.
+
+Of the very shoot :func:`~labcal.bench.diagnose.harmful_size.harmful_size` finds them.
+"""
 _STEPS: Mapping[CheckName, tuple[float, float, float]] = {
     CheckName.SWAPPED_CAMERAS: (0.05, 0.25, 0.45),
     CheckName.TURNED_TARGET: (0.05, 0.25, 0.45),
@@ -46,5 +50,5 @@ def size_of(check: CheckName, kind: str, level: int) -> float:
         0 for the smallest one.
     """
     if check in _SMALLEST:
-        return _TIMES[level] * _SMALLEST[check][kind]
+        return TIMES[level] * _SMALLEST[check][kind]
     return _HANDS[check][kind][level] if check in _HANDS else _STEPS[check][level]

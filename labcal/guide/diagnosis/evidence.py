@@ -150,7 +150,7 @@ class Evidence:
         if self.model is None:
             return None
         found, calibration = explained(self.model), self.calibration if not self.labels else None
-        return found if calibration is None else with_rig_errors(found, self.model, calibration.rig)
+        return found if calibration is None else with_rig_errors(found, self.model, calibration)
 
     @cached_property
     def volume(self) -> Volume | None:

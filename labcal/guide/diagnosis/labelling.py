@@ -31,6 +31,8 @@ _LESS = 0.5
 _READINGS = tuple(product((False, True), (False, True)))
 """Exchanged or not, and turned or not; the first one is the pictures as they are."""
 _LEAST_PX = 2.0
+_HALF = 0.5
+"""Share of the views: of two readings that differ everywhere, the one of the larger part is right."""
 
 
 @dataclass(frozen=True)
@@ -197,4 +199,4 @@ def _better(pair: Pair, labels: Labelling, views: np.ndarray, target: AnyTarget)
 def _smaller_part(part: Bool[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
     """Return the smaller one of two parts of the views; of equal ones the later."""
     share = part.mean()
-    return ~part if share > 0.5 or (share == 0.5 and part[0]) else part  # noqa: PLR2004 -- half
+    return ~part if share > _HALF or (share == _HALF and part[0]) else part

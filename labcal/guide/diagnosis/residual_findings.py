@@ -4,17 +4,23 @@ from collections.abc import Callable
 
 import numpy as np
 
+from labcal.calibrate.adjustment.state import POSE
 from labcal.guide.diagnosis.check_name import CheckName
 from labcal.guide.diagnosis.evidence import Evidence
 from labcal.guide.diagnosis.finding import CheckResult, Finding, NotJudged
-from labcal.guide.diagnosis.forms.explaining import Explanation
+from labcal.guide.diagnosis.forms.explaining import SHAPES, Explained, Explanation
+from labcal.guide.diagnosis.forms.hypotheses import PAIR
 from labcal.guide.diagnosis.forms.shoot_model import ShootModel
 from labcal.wording import listed
 
 LEAST_HARM_PERCENT = 3.0
 """Increase of the expected 3-D error from which on a mistake is reported that residuals show beyond doubt."""
-_REST = 0.05
-"""Share of the largest gain below which another one may be what the linear model leaves of it."""
+_REST = 1e-3
+"""Share of the largest gain below which another one may be what the linear model leaves of it, at least.
+
+Of a turn by a rad the second order is about a times the first, and its gain the square of that: this is the
+share of mistakes of 3%, two degrees or so. Of larger ones it is the square of their own size.
+"""
 _SHOWN = 4
 """Pictures that are named for a finding."""
 
@@ -36,10 +42,10 @@ def residual_findings(
     model, found = evidence.model, evidence.explained
     if model is None or found is None:
         return NotJudged(check, f"Cameras could not be calibrated. {evidence.why_not_alone}".strip())
-    largest = max((one.gain for one in found.found), default=0.0)
-    mine = [one for one in found.found if one.hypothesis.check is check and _matters(one, largest)]
+    worth = _worth_a_word(model, found)
+    mine = [one for one in worth if one.hypothesis.check is check]
     by_itself = [one for one in found.by_themselves if one.hypothesis.check is check]
-    others = [one for one in found.found if one.hypothesis.check is not check and _matters(one, largest)]
+    others = [one for one in worth if one.hypothesis.check is not check]
     if not mine and by_itself and others:
         best = max(others, key=lambda one: one.gain)
         what, mend = words(model, max(by_itself, key=lambda one: one.gain))
@@ -56,7 +62,7 @@ def camera_names(model: ShootModel, one: Explanation) -> tuple[str, ...]:
     if camera is None:
         return model.names
     both = one.hypothesis.check in (CheckName.CAMERA_MOVED, CheckName.UNSYNCHRONISED)
-    if both and len(model.names) == 2:  # noqa: PLR2004 -- of two cameras nothing tells which
+    if both and len(model.names) == PAIR:
         return model.names
     return (model.names[camera],)
 
@@ -78,13 +84,33 @@ def view_words(model: ShootModel, one: Explanation) -> str:
     return listed([f"'{model.views[at]}'" for at in one.hypothesis.views])
 
 
-def _matters(one: Explanation, largest: float) -> bool:
-    """Tell whether an explanation is worth a word: it does harm, and is not the rest of a far larger one.
+def _worth_a_word(model: ShootModel, found: Explained) -> list[Explanation]:
+    """Return the explanations that do harm, and are not the rest of a far larger one.
 
-    Of a large mistake its second order is left, which the linear model does not hold.
+    Of a large mistake its second order is left, which the linear model does not hold. Harm is that with the
+    dots as declared: a calibration that frees them hides a bent board, which the next one may suffer from.
     """
-    harm = one.harm_percent
-    return one.gain >= _REST * largest and (harm is None or harm >= LEAST_HARM_PERCENT)
+    if not found.found:
+        return []
+    largest = max(found.found, key=lambda one: one.gain)
+    rest = max(_REST, _relative_size(model, largest) ** 2) * largest.gain
+    kept = [one for one in found.found if one is largest or one.gain >= rest]
+    harms = [(one, (one.harm_percent, one.declared_harm_percent)) for one in kept]
+    return [
+        one
+        for one, harm in harms
+        if None in harm or max(value for value in harm if value is not None) >= LEAST_HARM_PERCENT
+    ]
+
+
+def _relative_size(model: ShootModel, one: Explanation) -> float:
+    """Return the size of a mistake as a turn, rad, or as a share of a length."""
+    check, size = one.hypothesis.check, np.abs(one.size)
+    if check in SHAPES:
+        return float(size.max()) / model.half_side_mm
+    if check is CheckName.REFOCUSED:
+        return float(size[0])
+    return float(size.reshape(-1, POSE)[:, :3].max())
 
 
 def _together(found: list[Explanation]) -> list[Explanation]:

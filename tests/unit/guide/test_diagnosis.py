@@ -73,6 +73,14 @@ def test_a_moved_camera_explains_what_looks_unsynchronised() -> None:
     assert signs[CheckName.UNSYNCHRONISED] is CheckName.CAMERA_MOVED
 
 
+def test_a_small_mistake_beside_a_large_one_is_named_second() -> None:
+    random = np.random.default_rng(1)
+    both = MISTAKES[CheckName.CAMERA_MOVED](shoot(), 0.05, random)
+    both = MISTAKES[CheckName.WRONG_PITCH](both, 0.0006, random)
+    found = diagnosed(Evidence(both.described, simulated_dots(both, random))).findings
+    assert [one.check for one in found] == [CheckName.CAMERA_MOVED, CheckName.WRONG_PITCH]
+
+
 def test_the_exchanged_views_are_named() -> None:
     good, dots = mistaken(CheckName.SWAPPED_CAMERAS, 0.3)
     untouched = simulated_dots(good, np.random.default_rng(1))

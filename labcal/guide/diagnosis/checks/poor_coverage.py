@@ -15,18 +15,20 @@ def check(evidence: Evidence) -> CheckResult:
     found = evidence.remedies
     if open_ is not None or found is None:
         return open_ or ()
+    now, spread = found.of_places
+    of = "" if now == found.now else " of tilted views"
     words = (
         (
             f"The target does not go over the whole picture: {listed(_shares(evidence))}. Where no dot was, "
-            f"the lens is not known: over all that the cameras see the expected 3-D error is {found.now:.2g} "
-            f"mm, and with views in all places {found.spread:.2g} mm."
+            f"the lens is not known: over all that the cameras see the 3-D error to expect{of} is {now:.2g} "
+            f"mm, and with views in all places {spread:.2g} mm."
         ),
         (
             "Take views with the target in every corner and at every edge of both pictures; or measure only "
             "where the target has been."
         ),
     )
-    return lacking(evidence, CheckName.POOR_COVERAGE, found.by_places, words, found)
+    return lacking(evidence, CheckName.POOR_COVERAGE, found.of_places, words, found)
 
 
 def _shares(evidence: Evidence) -> list[str]:

@@ -18,17 +18,19 @@ def check(evidence: Evidence) -> CheckResult:
     found = evidence.remedies
     if open_ is not None or found is None:
         return open_ or ()
+    at_best = "" if found.are_few else " at best, tilted and in all places"
     words = (
         (
             f"The cameras are calibrated from {counted(found.views, 'view')}: the expected 3-D error is "
-            f"{found.now:.2g} mm, and would be {found.enough:.2g} mm from {ENOUGH_VIEWS} good ones."
+            f"{found.of_views[0]:.2g} mm{at_best}, and would be {found.enough:.2g} mm from {ENOUGH_VIEWS} "
+            "good ones."
         ),
         (
             f"Take at least {ENOUGH_VIEWS} views, with the target tilted to all sides and in all "
             "corners of both pictures."
         ),
     )
-    return lacking(evidence, CheckName.TOO_FEW_VIEWS, found.by_views, words, found)
+    return lacking(evidence, CheckName.TOO_FEW_VIEWS, found.of_views, words, found)
 
 
 def _next_to_none(evidence: Evidence) -> tuple[Finding, ...]:

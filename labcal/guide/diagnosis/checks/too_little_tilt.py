@@ -28,15 +28,17 @@ def check(evidence: Evidence) -> CheckResult:
     normals = np.asarray(evidence.calibration.T_world_target)[:, :3, 2]
     mean = normals.mean(axis=0) / np.linalg.norm(normals.mean(axis=0))
     away = np.degrees(np.arccos(np.clip(normals @ mean, -1.0, 1.0)))
+    now, tilted = found.of_tilt
+    beside = "" if now == found.now else " in all places"
     words = (
         (
             f"The target is hardly tilted: half of the views are within {np.median(away):.2g} degrees of one "
-            f"direction. Tilted views would bring the expected 3-D error from {found.now:.2g} mm to "
-            f"{found.tilted:.2g} mm."
+            f"direction. Of as many views{beside}, tilted ones would bring the 3-D error to expect over "
+            f"all that the cameras see from {now:.2g} mm to {tilted:.2g} mm."
         ),
         _MEND,
     )
-    return lacking(evidence, CheckName.TOO_LITTLE_TILT, found.by_tilt, words, found)
+    return lacking(evidence, CheckName.TOO_LITTLE_TILT, found.of_tilt, words, found)
 
 
 def _without_calibration(evidence: Evidence) -> tuple[Finding, ...]:

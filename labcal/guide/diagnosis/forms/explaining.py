@@ -27,7 +27,8 @@ CHANGES = {CheckName.CAMERA_MOVED, CheckName.REFOCUSED}
 """Mistakes after which the cameras are others than before."""
 BY_VIEW = {CheckName.UNSYNCHRONISED, CheckName.ROLLING_SHUTTER}
 """Mistakes that are others in each view."""
-_SHAPES = {CheckName.BENT_BOARD, CheckName.WRONG_PITCH}
+SHAPES = {CheckName.BENT_BOARD, CheckName.WRONG_PITCH}
+"""Mistakes that are smooth shapes of the board."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,8 @@ class Explanation:
         RMS 3-D error over the volume that it adds; None of one camera.
     budget_mm : float or None
         Expected RMS 3-D error without any mistake.
+    declared_mm : float or None
+        As `bias_mm`, by the linear model, with the dots as declared.
     """
 
     hypothesis: Hypothesis
@@ -55,13 +58,22 @@ class Explanation:
     size: np.ndarray
     bias_mm: float | None = None
     budget_mm: float | None = None
+    declared_mm: float | None = None
 
     @property
     def harm_percent(self) -> float | None:
         """Relative increase of the expected 3-D error, %."""
-        if self.bias_mm is None or not self.budget_mm:
+        return self._increase(self.bias_mm)
+
+    @property
+    def declared_harm_percent(self) -> float | None:
+        """Relative increase of the expected 3-D error with the dots as declared, %."""
+        return self._increase(self.declared_mm)
+
+    def _increase(self, bias_mm: float | None) -> float | None:
+        if bias_mm is None or not self.budget_mm:
             return None
-        return 100.0 * float(np.hypot(1.0, self.bias_mm / self.budget_mm) - 1.0)
+        return 100.0 * float(np.hypot(1.0, bias_mm / self.budget_mm) - 1.0)
 
     def of_views(self, views: tuple[int, ...], bias_mm: float | None) -> "Explanation":
         """Return it as one of several views."""
@@ -90,12 +102,13 @@ def explained(model: ShootModel) -> Explained:
     """Return the mistakes that explain the residuals of a shoot.
 
     Mistakes are added one by one, the one that explains most first, as long as the next is significant;
-    those that the later ones have made superfluous are removed.
+    those that the later ones have made superfluous are removed, and those that another one explains better
+    beside the later ones are exchanged for it.
     """
     chosen: list[Hypothesis] = []
     first: tuple[Explanation, ...] = ()
     everything = list(hypotheses(model.forms))
-    while len(chosen) < _MOST:
+    for _ in range(_MOST):
         tested = _tested(model, chosen, everything)
         significant = [one for one in tested if one.p_value < LEVEL]
         first = first or tuple(significant)
@@ -104,6 +117,7 @@ def explained(model: ShootModel) -> Explained:
         best = max(significant, key=_score)
         chosen.append(best.hypothesis)
         chosen = _without_superfluous(model, chosen)
+        chosen = _exchanged(model, chosen, everything)
     return _judged(model, chosen, first)
 
 
@@ -152,7 +166,7 @@ def _explanation(
     uneven print leaves residuals that poses of single pictures would explain as well.
     """
     found = _tested_beside(model, current, before, one, fit)
-    if found.p_value >= LEVEL or one.check in _SHAPES:
+    if found.p_value >= LEVEL or one.check in SHAPES:
         return found
     uneven = (*current, any_shape(model.forms))
     beside = _tested_beside(model, uneven, model.fit(uneven), one, model.fit((*uneven, *one.terms)))
@@ -185,7 +199,7 @@ def _noise(
     """
     fit, own = found
     freedom = model.freedom(fit)
-    if one.check in _SHAPES:
+    if one.check in SHAPES:
         more = model.fit((*terms, shape_controls(model.forms)))
     elif one.check is CheckName.REFOCUSED and one.camera is not None:
         more = model.fit((*terms, each_focus(model.forms, one.camera)))
@@ -213,6 +227,23 @@ def _without_superfluous(model: ShootModel, chosen: Sequence[Hypothesis]) -> lis
     return kept
 
 
+def _exchanged(
+    model: ShootModel, chosen: Sequence[Hypothesis], everything: Sequence[Hypothesis]
+) -> list[Hypothesis]:
+    """Return the hypotheses, each exchanged for the one that explains most beside all others.
+
+    A camera that moved is not significant beside a board that is not yet known to be bent, which makes all
+    views differ; what was taken in its place then is not what explains the shoot best.
+    """
+    kept = list(chosen)
+    for one in chosen if len(chosen) > 1 else ():
+        others = [other for other in kept if other is not one]
+        rivals = [rival for rival in _tested(model, others, everything) if rival.p_value < LEVEL]
+        if rivals:
+            kept = [*others, max(rivals, key=_score).hypothesis]
+    return kept
+
+
 def _judged(
     model: ShootModel, chosen: Sequence[Hypothesis], by_themselves: tuple[Explanation, ...]
 ) -> Explained:
@@ -232,5 +263,5 @@ def _judged(
             if one.check in CHANGES:
                 later = model.in_rig(one.terms[0].columns, explanation.size)
             bias = model.bias_mm(fit, without, noise, later)
-        found.append(replace(explanation, bias_mm=bias, budget_mm=budget))
+        found.append(replace(explanation, bias_mm=bias, budget_mm=budget, declared_mm=bias))
     return Explained(tuple(found), by_themselves, noise)

@@ -13,6 +13,8 @@ from labcal.guide.diagnosis.forms.view_forms import ViewForms
 
 FEWEST = 2
 """Views before and after a change, at least."""
+PAIR = 2
+"""Cameras with one pose between them, of which nothing tells which one moved."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ def changes(forms: ViewForms, after: Int64[np.ndarray, " views"]) -> Iterator[Hy
         view for view in range(FEWEST, forms.views - FEWEST + 1) if not np.diff(after)[view - 1 : view].any()
     ]
     cameras = len(forms.cameras)
-    posed = range(1, cameras) if cameras == 2 else range(cameras)  # noqa: PLR2004 -- one pose between two
+    posed = range(1, cameras) if cameras == PAIR else range(cameras)
     for start in starts:
         groups = np.where(np.arange(forms.views) >= start, 0, -1)
         later = tuple(range(start, forms.views))

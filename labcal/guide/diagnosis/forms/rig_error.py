@@ -7,28 +7,34 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.calibrate.adjustment.state import Freedom, Layout, Lenses, RigState
+from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.cameras.camera import Camera
 from labcal.cameras.rig import Rig
 from labcal.cameras.triangulation import triangulate
 from labcal.errors import InputError
 from labcal.geometry.poses import rigid_alignment, transform
-from labcal.guide.diagnosis.forms.explaining import BY_VIEW, CHANGES, Explained
+from labcal.guide.diagnosis.forms.explaining import BY_VIEW, CHANGES, SHAPES, Explained
 from labcal.guide.diagnosis.forms.hypotheses import Hypothesis
 from labcal.guide.diagnosis.forms.shoot_model import ShootModel
 
 
-def with_rig_errors(found: Explained, model: ShootModel, rig: Rig) -> Explained:
+def with_rig_errors(found: Explained, model: ShootModel, calibration: HandheldCalibration) -> Explained:
     """Return explanations with what they cost in a rig that was calibrated with the mistakes left in.
 
     The linear model tells their shares; of large mistakes it overestimates the sum. Errors that each view has
-    for itself leave no mended rig that is sure enough to compare with: among such, costs stay as they are.
+    for itself leave no mended rig that is sure enough to compare with: among such, costs stay as they are. A
+    calibration that has freed the dots takes up the board's shape, which then has no share beside others.
 
     Parameters
     ----------
     found : Explained
     model : ShootModel
-    rig : Rig
+    calibration : HandheldCalibration
+        Mistakes left in.
     """
+    rig = calibration.rig
+    if calibration.dot_decision.frees:
+        found = _without_shapes(found)
     costs = [one.bias_mm for one in found.found if one.bias_mm]
     if not costs or any(one.hypothesis.check in BY_VIEW for one in found.found):
         return found
@@ -40,6 +46,20 @@ def with_rig_errors(found: Explained, model: ShootModel, rig: Rig) -> Explained:
         found,
         found=tuple(
             one if one.bias_mm is None else replace(one, bias_mm=factor * one.bias_mm) for one in found.found
+        ),
+    )
+
+
+def _without_shapes(found: Explained) -> Explained:
+    """Return explanations of which shapes of the board cost nothing, if there are others."""
+    of_shape = [one.hypothesis.check in SHAPES for one in found.found]
+    if all(of_shape):
+        return found
+    return replace(
+        found,
+        found=tuple(
+            replace(one, bias_mm=0.0) if shape and one.bias_mm is not None else one
+            for one, shape in zip(found.found, of_shape, strict=True)
         ),
     )
 

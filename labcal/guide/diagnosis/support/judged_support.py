@@ -3,7 +3,7 @@
 from labcal.guide.diagnosis.check_name import CheckName
 from labcal.guide.diagnosis.evidence import Evidence
 from labcal.guide.diagnosis.finding import Finding, NotJudged
-from labcal.guide.diagnosis.support.remedies import Remedies
+from labcal.guide.diagnosis.support.remedies import Remedies, increase
 
 WORTH = 0.15
 """Relative increase of the expected 3-D error from which on a shoot is said to lack something."""
@@ -23,7 +23,7 @@ def why_not(evidence: Evidence, check: CheckName) -> NotJudged | None:
 
 
 def lacking(
-    evidence: Evidence, check: CheckName, increase: float, words: tuple[str, str], found: Remedies
+    evidence: Evidence, check: CheckName, errors: tuple[float, float], words: tuple[str, str], found: Remedies
 ) -> tuple[Finding, ...]:
     """Return a finding where what a shoot lacks is worth it.
 
@@ -31,17 +31,17 @@ def lacking(
     ----------
     evidence : Evidence
     check : CheckName
-    increase : float
-        Relative increase of the expected 3-D error.
+    errors : (float, float)
+        Expected 3-D error without what the shoot lacks and with it, mm, as the words state them.
     words : (str, str)
         What is wrong, and how to mend it.
     found : Remedies
     """
-    if increase < WORTH:
+    by = increase(*errors)
+    if by < WORTH:
         return ()
     views = () if evidence.calibration is None else tuple(evidence.calibration.views)
-    better = found.enough if increase == float("inf") else found.now / (1.0 + increase)
-    harm = max(0.0, found.now**2 - better**2) ** 0.5
+    harm = max(0.0, errors[0] ** 2 - errors[1] ** 2) ** 0.5
     return (
         Finding(
             check,
@@ -49,7 +49,7 @@ def lacking(
             views,
             *words,
             harm_mm=harm,
-            harm_percent=100.0 * increase,
+            harm_percent=100.0 * by,
             pictures=evidence.images(views[:_SHOWN], evidence.cameras[:1]),
             explained_by=CheckName.TOO_FEW_VIEWS if _by_few(check, found) else None,
         ),

@@ -67,29 +67,36 @@ class Remedies:
 
         Of very few ones all that they lack counts; of more the part that the best of their number would have.
         """
-        return _increase(self.now if self.are_few else self.both, self.enough)
+        return increase(*self.of_views)
+
+    @property
+    def of_views(self) -> tuple[float, float]:
+        """The errors without and with enough views, of which :attr:`by_views` is the increase."""
+        return (self.now if self.are_few else self.both), self.enough
+
+    @property
+    def of_tilt(self) -> tuple[float, float]:
+        """The errors without and with tilted views; of spread ones, where those bring more."""
+        return (self.now, self.tilted) if self.tilted <= self.spread else (self.spread, self.both)
+
+    @property
+    def of_places(self) -> tuple[float, float]:
+        """The errors without and with views in all places; of tilted ones, where those bring more."""
+        return (self.now, self.spread) if self.spread <= self.tilted else (self.tilted, self.both)
 
     @property
     def by_tilt(self) -> float:
         """Relative increase of the error by too little tilt, beside what places do."""
-        return _alone((self.now, self.tilted, self.spread, self.both))
+        return increase(*self.of_tilt)
 
     @property
     def by_places(self) -> float:
         """Relative increase of the error by places, beside what tilts do."""
-        return _alone((self.now, self.spread, self.tilted, self.both))
+        return increase(*self.of_places)
 
 
-def _alone(errors: tuple[float, float, float, float]) -> float:
-    """Return what a remedy brings: after the other one where that brings more.
-
-    `errors` are those now, with the remedy, with the other one, and with both.
-    """
-    now, mended, other, both = errors
-    return _increase(now, mended) if mended <= other else _increase(other, both)
-
-
-def _increase(error: float, better: float) -> float:
+def increase(error: float, better: float) -> float:
+    """Return the relative increase of an error beside a better one; infinite where only that is finite."""
     if not np.isfinite(error):
         return float("inf") if np.isfinite(better) else 0.0
     return max(0.0, error / better - 1.0) if np.isfinite(better) else 0.0
