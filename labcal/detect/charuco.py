@@ -3,24 +3,17 @@
 import cv2
 import numpy as np
 
-from labcal.detect.corners.corner_fit import CornerFit, is_cut
 from labcal.detect.corners.corners import Corners, measured_corners
-from labcal.detect.corners.edge_waves import wavelengths
+from labcal.detect.corners.picture_corners import picture_corners
 from labcal.detect.dots import PictureDots
-from labcal.detect.edges.noise import noise_factor
-from labcal.detect.edges.outline_noise import beside_flat_parts, smooth_wave_ratio
-from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
-from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import opencv_board
-from labcal.targets.grid import Polarity
-
-_SHADINGS = 1.3  # of a fit's four for the light, spent on the flat parts: a third of its pixels
 
 
 def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> PictureDots:
@@ -47,14 +40,14 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     """
     found = _recognised(grey, board, settings.corner)
     if isinstance(found, Refusal):
-        return _collect(Corners.none(), grey, found, settings)
+        return picture_corners(Corners.none(), grey, found, settings)
     corners = measured_corners(grey, board, found, settings)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not found.spans_a_plane() or not corners.select(ok).spans_a_plane():
-        return _collect(corners, grey, Refusal.TOO_FEW_DOTS, settings)
+        return picture_corners(corners, grey, Refusal.TOO_FEW_DOTS, settings)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     smooth = is_smooth(lattice, corners.seen_at, settings.grid)
-    return _collect(corners, grey, None if smooth else Refusal.GRID_INCONSISTENT, settings)
+    return picture_corners(corners, grey, None if smooth else Refusal.GRID_INCONSISTENT, settings)
 
 
 def _recognised(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings) -> Corners | Refusal:
@@ -76,47 +69,3 @@ def _recognised(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings
         return Refusal.OTHER_BOARD if markers >= settings.other_board_markers else Refusal.TOO_FEW_DOTS
     index = board.from_opencv(np.asarray(ids, dtype=np.int64).ravel())
     return Corners(index, np.asarray(corners, dtype=np.float64).reshape(-1, 2), [None] * len(index))
-
-
-def _factor(fits: list[CornerFit], settings: EdgeSettings) -> float:
-    """Return the variance of a picture's corners over what the residuals of their fits say."""
-    if not fits:
-        return 1.0
-    flat = noise_factor(np.array([fit.sums for fit in fits]), settings, _SHADINGS)
-    waves = wavelengths(float(np.median([fit.reach for fit in fits])))
-    ratio, error = smooth_wave_ratio(np.array([fit.powers for fit in fits]), waves, settings)
-    return beside_flat_parts(ratio, error, flat, settings)
-
-
-def _collect(
-    corners: Corners, grey: GreyPicture, refusal: Refusal | None, settings: DetectSettings
-) -> PictureDots:
-    """Put the corners into arrays, row by row."""
-    corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
-    n = len(corners.fits)
-    factor = _factor([fit for fit in corners.fits if fit is not None], settings.edge)
-    missing = np.full((2, 2), np.nan)
-    covariance = [missing if fit is None else factor * fit.covariance for fit in corners.fits]
-    dots = PictureDots(
-        size=(grey.shape[1], grey.shape[0]),
-        polarity=Polarity.BLACK_ON_WHITE,
-        refusal=None,
-        index=corners.index,
-        has_id=np.ones(n, dtype=bool),
-        position=np.array(
-            [missing[0] if fit is None else fit.centre for fit in corners.fits], dtype=np.float64
-        ).reshape(-1, 2),
-        covariance=np.array(covariance, dtype=np.float64).reshape(-1, 2, 2),
-        misfit=np.full(n, np.nan),
-        flag=tuple(
-            DotFlag.OK
-            if fit is not None
-            else DotFlag.CUT
-            if is_cut(place, grey, settings.corner.frame_margin_px)
-            else DotFlag.BAD_FIT
-            for fit, place in zip(corners.fits, corners.seen_at, strict=True)
-        ),
-        seen_at=corners.seen_at,
-        outline=np.full((n, 2, 2), np.nan),
-    )
-    return dots if refusal is None else dots.refused(refusal)

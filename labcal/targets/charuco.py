@@ -166,6 +166,16 @@ class CharucoBoard(ScaledPrint):
         """Sides of a square; a corner has no size."""
         return f"{self.square_mm:.6g} x {self.square_mm:.6g}", "corner"
 
+    @property
+    def corner_gap(self) -> float:
+        """White between a corner's edges and the nearest markers, in squares."""
+        return 0.5 * (1.0 - self.marker_mm / self.square_mm)
+
+    @property
+    def clear_reach(self) -> float:
+        """Distance from a corner's edges up to which squares are plain whatever is in them, in squares."""
+        return 1.0
+
     def is_black(self, i: Int[np.ndarray, "*n"], j: Int[np.ndarray, "*n"]) -> Bool[np.ndarray, "*n"]:
         """Return which squares are black, counted from 0 at the lower left; the others carry markers."""
         first = self.squares[1] - 1 if self.pattern is Pattern.CURRENT else 0

@@ -27,6 +27,8 @@ class Surroundings:
         White between a corner and the nearest marker, along x and along y, in squares.
     reach : float
         How far the edges are straight enough, px.
+    clear : float
+        Distance from both edges beyond which there may be marks in squares of either colour, in squares.
     """
 
     centre: np.ndarray
@@ -34,6 +36,7 @@ class Surroundings:
     white: int
     gap: float
     reach: float
+    clear: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -131,6 +134,7 @@ def _window(grey: GreyPicture, around: Surroundings, guard: float, settings: Cor
     along, up = np.linalg.solve(around.axes, offset)
     nearest, farthest = np.minimum(np.abs(along), np.abs(up)), np.maximum(np.abs(along), np.abs(up))
     marked = (along * up * around.white > 0) & (nearest > around.gap - guard)
+    marked |= nearest > around.clear - guard
     mask = (farthest < settings.max_reach_squares) & (np.hypot(*offset) < around.reach) & ~marked
     value = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64).ravel()[mask]
     # Heights of the parallelogram that a square is in the picture.

@@ -1,9 +1,10 @@
 """All corners of a chessboard that can be measured, from those that are known roughly."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
@@ -14,9 +15,31 @@ from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.geometry.projective_map import projective_map
-from labcal.targets.charuco import CharucoBoard
 
 _FEWEST = 4  # corners, not on a line: what a homography takes
+
+
+class SquareBoard(Protocol):
+    """A board of black and white squares, with what else is printed on it."""
+
+    @property
+    def cols(self) -> int:
+        """Corners in a row."""
+
+    @property
+    def rows(self) -> int:
+        """Rows of corners."""
+
+    @property
+    def corner_gap(self) -> float:
+        """White between a corner's edges and the nearest markers, in squares."""
+
+    @property
+    def clear_reach(self) -> float:
+        """Distance from a corner's edges up to which squares are plain whatever is in them, in squares."""
+
+    def is_black(self, i: Int[np.ndarray, "*n"], j: Int[np.ndarray, "*n"]) -> Bool[np.ndarray, "*n"]:
+        """Return which squares are black, counted from 0 at the lower left."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +101,7 @@ class _Standard:
 
 
 def measured_corners(
-    grey: GreyPicture, board: CharucoBoard, rough: Corners, settings: DetectSettings
+    grey: GreyPicture, board: SquareBoard, rough: Corners, settings: DetectSettings
 ) -> Corners:
     """Fit the corners that are known roughly, and those of the board beside them that can be found.
 
@@ -124,7 +147,7 @@ def _as_outlines(places: list[np.ndarray]) -> Outlines:
     return Outlines(np.array(places), shape, np.zeros(count), np.zeros(count))
 
 
-def _beside(known: dict[Node, int], board: CharucoBoard) -> list[Node]:
+def _beside(known: dict[Node, int], board: SquareBoard) -> list[Node]:
     """Return the board's nodes that are not known, but next to known ones."""
     near = {(a + i, b + j) for a, b in known for i in (-1, 0, 1) for j in (-1, 0, 1)} - known.keys()
     return sorted(node for node in near if 0 <= node[0] < board.cols and 0 <= node[1] < board.rows)
@@ -135,7 +158,7 @@ class _Search:
     """The picture of a board in which corners are looked for."""
 
     grey: GreyPicture
-    board: CharucoBoard
+    board: SquareBoard
     settings: CornerSettings
 
     def fit_at(self, node: Node, prediction: Prediction) -> CornerFit | None:
@@ -156,7 +179,8 @@ class _Search:
             centre=place,
             axes=axes,
             white=-1 if board.is_black(*upper_right)[0] else 1,
-            gap=0.5 * (1.0 - board.marker_mm / board.square_mm),
+            gap=board.corner_gap,
+            clear=board.clear_reach,
             reach=max(self.settings.min_reach_px, reach),
         )
 
