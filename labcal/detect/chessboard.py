@@ -55,11 +55,20 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not corners.select(ok).spans_a_plane():
         return picture_corners(corners, grey, Refusal.TOO_FEW_DOTS, settings)
+    if not board.marks and not _shows_its_rim(corners.index[ok], board, settings.saddle.min_line_share):
+        return picture_corners(corners, grey, Refusal.BOARD_IN_PART, settings)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     if not is_smooth(lattice, corners.seen_at, settings.grid):
         return picture_corners(corners, grey, Refusal.GRID_INCONSISTENT, settings)
     dots = picture_corners(corners, grey, None, settings)
     return replace(dots, others=board.symmetric_indices(dots.index))
+
+
+def _shows_its_rim(index: np.ndarray, board: Chessboard, share: float) -> bool:
+    """Tell whether most corners of each outermost line are measured: what numbers a board without marks."""
+    ends = [(index[:, 0] == 0, board.rows), (index[:, 0] == board.cols - 1, board.rows)]
+    ends += [(index[:, 1] == 0, board.cols), (index[:, 1] == board.rows - 1, board.cols)]
+    return all(int(on.sum()) >= share * count for on, count in ends)
 
 
 def _found(grey: GreyPicture, board: Chessboard, settings: DetectSettings) -> _Found:
@@ -87,9 +96,9 @@ def _found_at(grey: GreyPicture, factor: int, board: Chessboard, settings: Detec
     if factor > 1:
         whole = grey[: height * factor, : width * factor]
         level = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
-    saddles, smooth = find_saddles(level, settings.saddle)
+    saddles = find_saddles(level, settings.saddle)
     lattices = find_board_lattices(saddles, max(board.cols, board.rows), NONE, settings)
-    outcomes = [number_board(SeenBoard(one, saddles, smooth), board, settings) for one in lattices]
+    outcomes = [number_board(SeenBoard(one, saddles, level), board, settings) for one in lattices]
     numbered = [
         (lattice, outcome)
         for lattice, outcome in zip(lattices, outcomes, strict=True)
@@ -103,6 +112,7 @@ def _found_at(grey: GreyPicture, factor: int, board: Chessboard, settings: Detec
     if not is_smooth(lattice, saddles.place, settings.grid):
         return _Found(Corners.none(), Refusal.GRID_INCONSISTENT, seen)
     index = np.array([numbering.index(node) for node in lattice.spots], dtype=np.int64)
+    own = ((index >= 0) & (index < [board.cols, board.rows])).all(axis=1)
     # The middle of the first reduced pixel is that of the pixels which it is the mean of.
     place = factor * saddles.place[list(lattice.spots.values())] + 0.5 * (factor - 1)
-    return _Found(Corners(index, place, [None] * len(index)), None, seen)
+    return _Found(Corners(index[own], place[own], [None] * int(own.sum())), None, seen)

@@ -9,12 +9,12 @@ from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.stage_settings.saddle import SaddleSettings
 
 _CORNERS: tuple[Node, ...] = ((0, 0), (1, 0), (1, 1), (0, 1))
-_OUTER = 0.7
-"""Of the way from the middle of a cell to the middles of its sides: no mark reaches so far."""
+_OUTER = 0.55
+"""Of the way from the middle of a cell to its corners: as far from the mark as from the next squares."""
 
 
 def read_marks(
-    lattice: Lattice, saddles: Saddles, smooth: GreyPicture, settings: SaddleSettings
+    lattice: Lattice, saddles: Saddles, grey: GreyPicture, settings: SaddleSettings
 ) -> dict[Node, bool]:
     """Return which cells of a lattice, by their first corner, have a mark; cells in doubt are left out.
 
@@ -22,7 +22,8 @@ def read_marks(
     ----------
     lattice : Lattice
     saddles : Saddles
-    smooth : ndarray, shape (h, w)
+    grey : ndarray, shape (h, w)
+        The picture, as it was not blurred: marks are small.
     settings : SaddleSettings
     """
     spots = lattice.spots
@@ -32,9 +33,8 @@ def read_marks(
     corner = np.array([[spots[a + i, b + j] for i, j in _CORNERS] for a, b in cells])
     q = saddles.place[corner]
     middle = _crossing(q)
-    across = 0.5 * (q + np.roll(q, -1, axis=1)) - middle[:, None]  # to the middles of the sides
-    ring = middle[:, None] + _OUTER * across
-    inner, outer = _levels(smooth, middle[:, None])[:, 0], _levels(smooth, ring)
+    outside = middle[:, None] + _OUTER * (q - middle[:, None])
+    inner, outer = _levels(grey, middle[:, None])[:, 0], _levels(grey, outside)
     step = np.median(saddles.step[corner], axis=1)
     contrast = np.abs(inner - outer.mean(axis=1)) / step
     even = np.ptp(outer, axis=1) < settings.mark_contrast * step

@@ -1,6 +1,6 @@
 """Ids of a chessboard's corners: by its outermost lines and colours, or by its marks."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,23 +24,26 @@ class SeenBoard:
     ----------
     lattice : Lattice
     saddles : Saddles
-    smooth : ndarray, shape (h, w)
-        The picture, blurred a little.
+    grey : ndarray, shape (h, w)
+        The picture.
     """
 
     lattice: Lattice
     saddles: Saddles
-    smooth: GreyPicture
+    grey: GreyPicture
 
 
 def number_board(seen: SeenBoard, board: Chessboard, settings: DetectSettings) -> Numbering | Refusal:
     """Find ids for a lattice.
 
     All four quarter turns are tried whose squares have the board's colours. Without marks a turn fits where
-    the lattice has the board's number of columns and of rows, and at least half of the corners of each of the
-    four outermost lines. With marks it fits at a place where every mark that is seen is one of the board's,
+    the lattice has the board's number of columns and of rows, and most of the corners of each of the four
+    outermost lines. With marks it fits at a place where every mark that is seen is one of the board's,
     and no plain square is where the board has a mark. Of fitting turns that the board's own symmetry allows,
     that one is taken whose columns run most nearly to the right in the picture.
+
+    Lines beyond the board's number that hold few corners are left out: corners of the outermost squares at the
+    paper's rim, every other of which may look like an inner one.
 
     Returns
     -------
@@ -49,21 +52,42 @@ def number_board(seen: SeenBoard, board: Chessboard, settings: DetectSettings) -
         them; `OTHER_CHESSBOARD` where there are more, or colours or marks are not the board's; `AMBIGUOUS`
         where it fits at several places.
     """
+    share = settings.saddle.min_line_share
+    seen = replace(seen, lattice=_trimmed(seen.lattice, board, share))
     nodes = np.array(list(seen.lattice.spots), dtype=np.int64)
-    low, high = nodes.min(axis=0), nodes.max(axis=0)
-    extent = np.sort(high - low + 1)
+    extent = np.sort(np.ptp(nodes, axis=0) + 1)
     lines = np.sort([board.cols, board.rows])
     if (extent > lines).any():
         return Refusal.OTHER_CHESSBOARD
     places = _marked_places(seen, board, nodes, settings) if board.marks else []
     if not places:
-        places = _whole_places(seen, board, nodes, settings.grid.edge_line_share)
+        places = _whole_places(seen, board, nodes, share)
     if len(places) > len(board.symmetric_turns()):
         return Refusal.AMBIGUOUS
     if not places:
         return Refusal.BOARD_IN_PART if (extent < lines).any() or board.marks else Refusal.OTHER_CHESSBOARD
     where = seen.saddles.place[list(seen.lattice.spots.values())]
     return max(places, key=lambda one: np.cos(turn_in_picture((nodes @ one.turn.T).astype(float), where)))
+
+
+def _trimmed(lattice: Lattice, board: Chessboard, share: float) -> Lattice:
+    """Return a lattice that is too long for a board without its sparse outermost lines."""
+    spots = dict(lattice.spots)
+    longest, shortest = max(board.cols, board.rows), min(board.cols, board.rows)
+    while spots:
+        nodes = np.array(list(spots), dtype=np.int64)
+        extent = np.ptp(nodes, axis=0) + 1
+        along = int(extent.argmax())
+        axis = along if extent[along] > longest else 1 - along
+        if extent[axis] <= (longest if axis == along else shortest):
+            break
+        ends = [int(nodes[:, axis].min()), int(nodes[:, axis].max())]
+        count = [int((nodes[:, axis] == end).sum()) for end in ends]
+        sparse = int(np.argmin(count))
+        if count[sparse] >= share * extent[1 - axis]:
+            break
+        spots = {node: spot for node, spot in spots.items() if node[axis] != ends[sparse]}
+    return replace(lattice, spots=spots)
 
 
 def _coloured_turns(seen: SeenBoard, board: Chessboard, nodes: np.ndarray) -> list[tuple[np.ndarray, int]]:
@@ -104,7 +128,7 @@ def _marked_places(
     seen: SeenBoard, board: Chessboard, nodes: np.ndarray, settings: DetectSettings
 ) -> list[Numbering]:
     """Return the numberings under which the marks that are seen are the board's."""
-    marks = read_marks(seen.lattice, seen.saddles, seen.smooth, settings.saddle)
+    marks = read_marks(seen.lattice, seen.saddles, seen.grey, settings.saddle)
     squares, marked = np.array(list(marks), dtype=np.int64).reshape(-1, 2), np.array(list(marks.values()))
     if marked.sum() < settings.saddle.min_marks:
         return []

@@ -45,8 +45,8 @@ class Saddles:
         return np.asarray(between == self.white_between[which])
 
 
-def find_saddles(grey: GreyPicture, settings: SaddleSettings) -> tuple[Saddles, GreyPicture]:
-    """Return the saddle points of a picture, and the picture as it was blurred for them.
+def find_saddles(grey: GreyPicture, settings: SaddleSettings) -> Saddles:
+    """Return the saddle points of a picture.
 
     The determinant of the second derivatives is negative at a saddle point, zero on a straight edge, and
     positive at blobs; its most negative places are looked at, and the ring around each.
@@ -74,7 +74,7 @@ def find_saddles(grey: GreyPicture, settings: SaddleSettings) -> tuple[Saddles, 
     place = np.stack([x + step[0], y + step[1]], axis=-1)[near].astype(np.float64)
     rings = read_rings(smooth, place, settings.limits(RingLimits)) if len(place) else np.zeros((0, READING))
     ok = np.isfinite(rings[:, 0])
-    return Saddles(place[ok], rings[ok, :2].copy(), rings[ok, 2] > 0, rings[ok, 3].copy()), smooth
+    return Saddles(place[ok], rings[ok, :2].copy(), rings[ok, 2] > 0, rings[ok, 3].copy())
 
 
 def _second_derivatives(smooth: GreyPicture) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -68,6 +68,13 @@ class SaddleSettings(StageSettings):
     min_corners: int = Field(
         9, ge=4, le=1000, description="Fewest corners of a board. Larger: small parts are refused."
     )
+    min_line_share: float = Field(
+        0.6,
+        gt=0.5,
+        le=1,
+        description="Part of each outermost line of corners that a board without marks must show. Larger: more "
+        "refusals.",
+    )
     mark_contrast: float = Field(
         0.4,
         gt=0,
