@@ -171,9 +171,8 @@ class CharucoBoard(ScaledPrint):
         """White between a corner's edges and the nearest markers, in squares."""
         return 0.5 * (1.0 - self.marker_mm / self.square_mm)
 
-    @property
-    def clear_reach(self) -> float:
-        """Distance from a corner's edges up to which squares are plain whatever is in them, in squares."""
+    def clear_reach(self, col: int, row: int) -> float:  # noqa: ARG002 -- as of every board of squares
+        """Return 1: black squares are plain."""
         return 1.0
 
     def is_black(self, i: Int[np.ndarray, "*n"], j: Int[np.ndarray, "*n"]) -> Bool[np.ndarray, "*n"]:

@@ -127,10 +127,10 @@ class Chessboard(ScaledPrint):
         """Clear white between a corner's edges and what is printed in a white square: a whole square."""
         return 1.0
 
-    @property
-    def clear_reach(self) -> float:
-        """Distance from a corner's edges up to which squares are plain whatever is in them, in squares."""
-        return 0.5 - 0.5 * self.mark_share if self.marks else 1.0
+    def clear_reach(self, col: int, row: int) -> float:
+        """Return how far from a corner's edges the squares around it are plain, in squares; 1 if wholly."""
+        around = {(col + i, row + j) for i in (0, 1) for j in (0, 1)}
+        return 1.0 if around.isdisjoint(self.marks) else 0.5 - 0.5 * self.mark_share
 
     def is_black(self, i: Int[np.ndarray, "*n"], j: Int[np.ndarray, "*n"]) -> Bool[np.ndarray, "*n"]:
         """Return which squares are black, counted from 0 at the lower left."""

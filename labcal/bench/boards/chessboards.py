@@ -196,8 +196,11 @@ def _bounds(picture: ChessboardPicture, number: int) -> np.ndarray:
     """Return the least covariances of a corner, with the mean variance, and with those of black and white."""
     centre, exposure = picture.corner[number], picture.exposure
     light = float(exposure.light(centre))
-    reach = 0.5 if not picture.board.marks else min(0.5, picture.board.clear_reach)
-    corner = ImagedCorner(centre, picture.axes(number), exposure.blur_px, INK * light, PAPER * light, reach)
+    row, col = divmod(number, picture.board.cols)
+    corner = ImagedCorner(
+        centre, picture.axes(number), exposure.blur_px, INK * light, PAPER * light,
+        clear=picture.board.clear_reach(col, row),
+    )  # fmt: skip
     ink, paper = (exposure.noise**2 * light * level + ROUNDING for level in (INK, PAPER))
     mean = 0.5 * (ink + paper)
     return corner_bounds(corner, np.sqrt([[mean, mean], [ink, paper]]))

@@ -34,6 +34,8 @@ class ImagedCorner:
         Levels of black and white, in the unit of the noise.
     reach : float
         Pixels count up to so many squares from either edge.
+    clear : float
+        And of these, those that are so near to one of the edges: there may be a mark beyond.
     """
 
     centre: np.ndarray
@@ -42,6 +44,7 @@ class ImagedCorner:
     dark: float
     light: float
     reach: float = 0.5
+    clear: float = 1.0
 
 
 def corner_bounds(corner: ImagedCorner, noises: np.ndarray) -> np.ndarray:
@@ -90,7 +93,7 @@ def _derivatives(corner: ImagedCorner) -> tuple[np.ndarray, np.ndarray]:
     away = np.stack([x - centre[0], y - centre[1]])
     level = (corner.light + fall * black) / corner.light
     along = np.einsum("ij,jhw->ihw", np.linalg.inv(corner.axes), away)
-    inside = np.abs(along).max(axis=0) <= corner.reach
+    inside = (np.abs(along).max(axis=0) <= corner.reach) & (np.abs(along).min(axis=0) <= corner.clear)
     D = np.stack([*shaped, 1.0 - black, black, level * away[0], level * away[1]])
     return D[:, inside], black[inside]
 

@@ -1,10 +1,11 @@
 """Sub-pixel fit of one corner of a chessboard, by Gauss-Newton."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from labcal.detect.corners.corner_model import PARAMETERS, CornerPixels, LinearisedCorner, linearise
+from labcal.detect.corners.corner_kernel import PARAMETERS, FitLimits, settled
+from labcal.detect.corners.corner_model import CornerPixels, LinearisedCorner, linearise
 from labcal.detect.corners.edge_waves import edge_powers
 from labcal.detect.edges.residuals import LAGS, REACH, SUMS
 from labcal.detect.grey import GreyPicture
@@ -29,6 +30,8 @@ class Surroundings:
         How far the edges are straight enough, px.
     clear : float
         Distance from both edges beyond which there may be marks in squares of either colour, in squares.
+    bend : ndarray, shape (2,)
+        Curvature of either edge towards its normal, 1/px.
     """
 
     centre: np.ndarray
@@ -37,6 +40,7 @@ class Surroundings:
     gap: float
     reach: float
     clear: float = 1.0
+    bend: np.ndarray = field(default_factory=lambda: np.zeros(2))
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,8 @@ class CornerFit:
         with, see :func:`labcal.detect.corners.edge_waves.edge_powers`.
     reach : float
         The greatest distance of a pixel of the fit from the corner, px.
+    state : ndarray, shape (PARAMETERS,)
+        The parameters of the fit; the corner's place is relative to where it began.
     """
 
     centre: np.ndarray
@@ -69,6 +75,7 @@ class CornerFit:
     sums: np.ndarray
     powers: np.ndarray
     reach: float
+    state: np.ndarray
 
 
 def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings) -> CornerFit | None:
@@ -116,6 +123,39 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
     return judge(state, window, around.centre, settings)
 
 
+def refit_corner(
+    grey: GreyPicture, around: Surroundings, first: CornerFit, settings: CornerSettings
+) -> CornerFit | None:
+    """Fit the same to other pixels, those along the edges, from a first fit on.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+        The picture.
+    around : Surroundings
+        With the corner of the first fit as its centre.
+    first : CornerFit
+    settings : CornerSettings
+
+    Returns
+    -------
+    CornerFit or None
+        None where the fit leaves the first one by more than either may be off.
+    """
+    begin = first.state.copy()
+    begin[:2] = 0.0
+    blur = float(begin[4:6].max())
+    narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
+    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow, settings)
+    window = window.along_edges(begin, settings.edge_blurs)
+    state = settle(begin, window, settings.tolerance_px, settings)
+    if state is None or state[7] <= 0 or state[4:6].max() > settings.max_blur_squares * narrow:
+        return None
+    if float(np.hypot(state[0], state[1])) > settings.max_refit_blurs * blur:
+        return None
+    return judge(state, window, around.centre, settings)
+
+
 def is_cut(place: np.ndarray, grey: GreyPicture, margin: float) -> bool:
     """Tell whether the frame is nearer to a corner than a margin (px), or leaves nothing of it."""
     last = np.array(grey.shape[::-1]) - 1
@@ -139,7 +179,7 @@ def _window(grey: GreyPicture, around: Surroundings, guard: float, settings: Cor
     value = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64).ravel()[mask]
     # Heights of the parallelogram that a square is in the picture.
     heights = abs(np.linalg.det(around.axes)) / np.linalg.norm(around.axes, axis=0)[::-1]
-    return CornerPixels(mask.reshape(x.shape), offset[:, mask], value, around.gap * heights)
+    return CornerPixels(mask.reshape(x.shape), offset[:, mask], value, around.gap * heights, bend=around.bend)
 
 
 def _begin(window: CornerPixels, around: Surroundings, blur: float) -> np.ndarray:
@@ -161,24 +201,8 @@ def settle(
     """Iterate to the least squares (Gauss-Newton with shortened steps); None where it runs away."""
     if len(window.value) < settings.min_pixels:
         return None
-    for _ in range(settings.max_iterations):
-        linear = linearise(state, window)
-        normal = linear.jacobian @ linear.jacobian.T
-        ridge = 1e-9 * np.diag(np.diag(normal))
-        try:
-            change = np.linalg.solve(normal + ridge, linear.jacobian @ linear.residual)
-        except np.linalg.LinAlgError:
-            return None
-        if not np.isfinite(change).all():
-            return None
-        far, turn = np.hypot(change[0], change[1]), np.abs(change[2:4]).max()
-        far = max(far / settings.max_step_px, turn / settings.max_turn_rad, 1.0)
-        blurs = np.clip(state[4:6] + change[4:6] / far, state[4:6] / 2, state[4:6] * 2)
-        state = state + change / far
-        state[4:6] = np.maximum(blurs, settings.min_blur_px)
-        if np.abs(change[:2]).max() < tolerance:
-            return state
-    return None
+    found = state.astype(np.float64)
+    return found if settled(found, window.arrays, tolerance, settings.limits(FitLimits)) else None
 
 
 def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
@@ -216,6 +240,7 @@ def judge(
         sums=_sums(linear, window, settings.flat_blurs),
         powers=edge_powers(linear, offset, gain, variance),
         reach=float(np.hypot(offset[0], offset[1]).max()),
+        state=state,
     )
 
 

@@ -1,13 +1,13 @@
 """All corners of a chessboard that can be measured, from those that are known roughly."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Int
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
+from labcal.detect.corners.wider_fits import wider_fits
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.prediction import Prediction, Predictor
@@ -15,31 +15,9 @@ from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.geometry.projective_map import projective_map
+from labcal.targets.square_board import SquareBoard
 
 _FEWEST = 4  # corners, not on a line: what a homography takes
-
-
-class SquareBoard(Protocol):
-    """A board of black and white squares, with what else is printed on it."""
-
-    @property
-    def cols(self) -> int:
-        """Corners in a row."""
-
-    @property
-    def rows(self) -> int:
-        """Rows of corners."""
-
-    @property
-    def corner_gap(self) -> float:
-        """White between a corner's edges and the nearest markers, in squares."""
-
-    @property
-    def clear_reach(self) -> float:
-        """Distance from a corner's edges up to which squares are plain whatever is in them, in squares."""
-
-    def is_black(self, i: Int[np.ndarray, "*n"], j: Int[np.ndarray, "*n"]) -> Bool[np.ndarray, "*n"]:
-        """Return which squares are black, counted from 0 at the lower left."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +115,7 @@ def measured_corners(
                 fits.append(fit)
                 seen_at.append(fit.centre)
                 found = True
-    return Corners(np.array(index, dtype=np.int64), np.array(seen_at), fits)
+    return search.widened(Corners(np.array(index, dtype=np.int64), np.array(seen_at), fits))
 
 
 def _as_outlines(places: list[np.ndarray]) -> Outlines:
@@ -171,6 +149,24 @@ class _Search:
             else fit
         )
 
+    def widened(self, corners: Corners) -> Corners:
+        """Return corners with their fits over all of their edges, those that are as good as the others."""
+        nodes = [(int(i), int(j)) for i, j in corners.index]
+        fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
+        if not corners.spans_a_plane() or not fits:
+            return corners
+        around = {
+            node: self.surroundings(node, place, axes)
+            for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
+        }
+        wider = wider_fits(self.grey, fits, around, self.settings)
+        standard = _Standard.of(list(wider.values()))
+        found = [standard.met_by(wider.get(node), self.settings) for node in nodes]
+        seen_at = [
+            place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
+        ]
+        return Corners(corners.index, np.array(seen_at), found)
+
     def surroundings(self, node: Node, place: np.ndarray, axes: np.ndarray) -> Surroundings:
         """Return what lies around a corner of the board."""
         board, upper_right = self.board, (np.array([node[0] + 1]), np.array([node[1] + 1]))
@@ -180,7 +176,7 @@ class _Search:
             axes=axes,
             white=-1 if board.is_black(*upper_right)[0] else 1,
             gap=board.corner_gap,
-            clear=board.clear_reach,
+            clear=board.clear_reach(*node),
             reach=max(self.settings.min_reach_px, reach),
         )
 

@@ -81,6 +81,24 @@ class CornerSettings(StageSettings):
         lt=0.5,
         description="Most reach, before the next corner. Larger: more pixels, more of the next edges.",
     )
+    max_reach_px: float = Field(
+        60.0,
+        ge=5,
+        le=1000,
+        description="Most reach once the bend of the edges is known. Larger: slower, more exact on large squares.",
+    )
+    edge_blurs: float = Field(
+        6.0,
+        ge=4,
+        le=100,
+        description="Distance from the edges up to which the wider fit takes pixels. Larger: slower, more of the light.",
+    )
+    max_refit_blurs: float = Field(
+        0.5,
+        gt=0,
+        le=5,
+        description="Most distance of the wider fit from the first one. Larger: corners beside obstacles pass.",
+    )
     marker_guard_blurs: float = Field(
         1.0,
         ge=0,
