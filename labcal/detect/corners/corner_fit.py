@@ -1,10 +1,10 @@
 """Sub-pixel fit of one corner of a chessboard, by Gauss-Newton."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from labcal.detect.corners.corner_kernel import PARAMETERS, FitLimits, settled
+from labcal.detect.corners.corner_kernel import LIGHT_KNOWN, PARAMETERS, FitLimits, settled
 from labcal.detect.corners.corner_model import CornerPixels, LinearisedCorner, linearise
 from labcal.detect.corners.edge_waves import edge_powers
 from labcal.detect.edges.residuals import LAGS, REACH, SUMS
@@ -30,6 +30,8 @@ class Surroundings:
         How far the edges are straight enough, px.
     clear : float
         Distance from both edges beyond which there may be marks in squares of either colour, in squares.
+    share : float
+        How far from the corner the pixels reach, in squares.
     bend : ndarray, shape (2,)
         Curvature of either edge towards its normal, 1/px.
     """
@@ -40,6 +42,7 @@ class Surroundings:
     gap: float
     reach: float
     clear: float = 1.0
+    share: float = 0.45
     bend: np.ndarray = field(default_factory=lambda: np.zeros(2))
 
 
@@ -123,10 +126,32 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
     return judge(state, window, around.centre, settings)
 
 
-def refit_corner(
-    grey: GreyPicture, around: Surroundings, first: CornerFit, settings: CornerSettings
-) -> CornerFit | None:
-    """Fit the same to other pixels, those along the edges, from a first fit on.
+@dataclass(frozen=True)
+class WideFit:
+    """A fit to the pixels along all of a corner's edges, without its uncertainty.
+
+    Attributes
+    ----------
+    state : ndarray, shape (PARAMETERS,)
+    window : CornerPixels
+    start : ndarray, shape (2,)
+        Where the fit began, px, to which the state's place is relative.
+    """
+
+    state: np.ndarray
+    window: CornerPixels
+    start: np.ndarray
+
+    @property
+    def centre(self) -> np.ndarray:
+        """Where the edges cross, px."""
+        return np.asarray(self.start + self.state[:2])
+
+
+def widen(
+    grey: GreyPicture, around: Surroundings, first: np.ndarray, settings: CornerSettings
+) -> WideFit | None:
+    """Fit the same to other pixels, those along the edges, from the state of a first fit on.
 
     Parameters
     ----------
@@ -134,26 +159,54 @@ def refit_corner(
         The picture.
     around : Surroundings
         With the corner of the first fit as its centre.
-    first : CornerFit
+    first : ndarray, shape (PARAMETERS,)
+        The first fit's state.
+    settings : CornerSettings
+
+    Returns
+    -------
+    WideFit or None
+        None where the fit leaves the first one by more than either may be off.
+    """
+    begin = np.concatenate([np.zeros(2), first[2:]])
+    blur = float(begin[4:6].max())
+    narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
+    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow, settings)
+    window = window.along_edges(begin, settings.edge_blurs)
+    state = settle(begin, window, settings.first_tolerance_px, settings)
+    if state is None or state[7] <= 0 or state[4:6].max() > settings.max_blur_squares * narrow:
+        return None
+    if float(np.hypot(state[0], state[1])) > settings.max_refit_blurs * blur:
+        return None
+    return WideFit(state, window, around.centre)
+
+
+def with_known_light(
+    wide: WideFit, slope: np.ndarray, bend: np.ndarray, settings: CornerSettings
+) -> CornerFit | None:
+    """Return a wide fit with the slope of the light (1/px) and the bend of its edges (1/px) as they are known.
+
+    Parameters
+    ----------
+    wide : WideFit
+    slope : ndarray, shape (2,)
+        At the corner.
+    bend : ndarray, shape (2,)
     settings : CornerSettings
 
     Returns
     -------
     CornerFit or None
-        None where the fit leaves the first one by more than either may be off.
+        None where it does not converge.
     """
-    begin = first.state.copy()
-    begin[:2] = 0.0
-    blur = float(begin[4:6].max())
-    narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
-    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow, settings)
-    window = window.along_edges(begin, settings.edge_blurs)
-    state = settle(begin, window, settings.tolerance_px, settings)
-    if state is None or state[7] <= 0 or state[4:6].max() > settings.max_blur_squares * narrow:
+    begin = wide.state.copy()
+    # The model's light is 1 where the fit began: the slope at the corner is over the level there.
+    begin[8:] = slope / (1.0 - slope @ begin[:2])
+    window = replace(wide.window, bend=bend)
+    state = settle(begin, window, settings.tolerance_px, settings, LIGHT_KNOWN)
+    if state is None or state[7] <= 0:
         return None
-    if float(np.hypot(state[0], state[1])) > settings.max_refit_blurs * blur:
-        return None
-    return judge(state, window, around.centre, settings)
+    return judge(state, window, wide.start, settings, LIGHT_KNOWN)
 
 
 def is_cut(place: np.ndarray, grey: GreyPicture, margin: float) -> bool:
@@ -175,7 +228,7 @@ def _window(grey: GreyPicture, around: Surroundings, guard: float, settings: Cor
     nearest, farthest = np.minimum(np.abs(along), np.abs(up)), np.maximum(np.abs(along), np.abs(up))
     marked = (along * up * around.white > 0) & (nearest > around.gap - guard)
     marked |= nearest > around.clear - guard
-    mask = (farthest < settings.max_reach_squares) & (np.hypot(*offset) < around.reach) & ~marked
+    mask = (farthest < around.share) & (np.hypot(*offset) < around.reach) & ~marked
     value = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64).ravel()[mask]
     # Heights of the parallelogram that a square is in the picture.
     heights = abs(np.linalg.det(around.axes)) / np.linalg.norm(around.axes, axis=0)[::-1]
@@ -196,13 +249,17 @@ def _begin(window: CornerPixels, around: Surroundings, blur: float) -> np.ndarra
 
 
 def settle(
-    state: np.ndarray, window: CornerPixels, tolerance: float, settings: CornerSettings
+    state: np.ndarray,
+    window: CornerPixels,
+    tolerance: float,
+    settings: CornerSettings,
+    free: int = PARAMETERS,
 ) -> np.ndarray | None:
     """Iterate to the least squares (Gauss-Newton with shortened steps); None where it runs away."""
     if len(window.value) < settings.min_pixels:
         return None
     found = state.astype(np.float64)
-    return found if settled(found, window.arrays, tolerance, settings.limits(FitLimits)) else None
+    return found if settled(found, window.arrays, (tolerance, free), settings.limits(FitLimits)) else None
 
 
 def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
@@ -214,10 +271,15 @@ def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
 
 
 def judge(
-    state: np.ndarray, window: CornerPixels, centre: np.ndarray, settings: CornerSettings
+    state: np.ndarray,
+    window: CornerPixels,
+    centre: np.ndarray,
+    settings: CornerSettings,
+    free: int = PARAMETERS,
 ) -> CornerFit | None:
-    """Return the fit with its uncertainty."""
+    """Return the fit with its uncertainty; the parameters from number `free` on are taken for known."""
     linear = linearise(state, window)
+    linear = replace(linear, jacobian=linear.jacobian[:free])
     normal = linear.jacobian @ linear.jacobian.T
     # What the residual is on average at a level between black and white is a tone curve and no noise.
     level = np.round(settings.tone_levels * linear.board).astype(int) + 2 * settings.tone_levels

@@ -10,6 +10,8 @@ from labcal.detect.compiled import compiled
 
 PARAMETERS = 10
 """Corner 2, angles of the edges' normals 2, blurs 2, mean, half step, slope of the light 2."""
+LIGHT_KNOWN = 8
+"""Free parameters of a fit that takes the slope of the light, the last two, for known."""
 CHESSBOARD, WEDGE = 0, 1
 """Patterns: a chessboard of -1 and 1; a black wedge on white."""
 _MOST_OBLIQUE = 0.999
@@ -140,10 +142,14 @@ def fill_jacobian(
 def settled(
     state: np.ndarray,
     pixels: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int],
-    tolerance: float,
+    ends: tuple[float, int],
     limits: FitLimits,
 ) -> bool:
-    """Iterate a state, in place, to the least squares (Gauss-Newton, shortened steps); False if it runs away."""
+    """Iterate a state, in place, to the least squares (Gauss-Newton, shortened steps); False if it runs away.
+
+    `ends` is the step at which it ends, px, and the number of parameters that are free, from the first one on.
+    """
+    tolerance, free = ends
     n = len(pixels[1])
     rows = (np.empty(n), np.empty((PARAMETERS, n)), np.empty(n), np.empty(n))
     residual, jacobian = rows[0], rows[1]
@@ -151,12 +157,13 @@ def settled(
     for _ in range(limits.max_iterations):
         fill_jacobian(state, pixels, rows)
         normal = jacobian @ jacobian.T
-        for i in range(PARAMETERS):
+        change[free:] = 0.0
+        for i in range(free):
             change[i] = (jacobian[i] * residual).sum()
             normal[i, i] *= 1.0 + _RIDGE
-        if not factorise(normal, PARAMETERS, _SINGULAR):
+        if not factorise(normal, free, _SINGULAR):
             return False
-        solve(normal, change)
+        solve(normal, change[:free])
         if not np.isfinite(change).all():
             return False
         far = max(hypot(change[0], change[1]) / limits.max_step_px, 1.0)

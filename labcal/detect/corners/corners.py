@@ -178,6 +178,7 @@ class _Search:
             gap=board.corner_gap,
             clear=board.clear_reach(*node),
             reach=max(self.settings.min_reach_px, reach),
+            share=self.settings.max_reach_squares,
         )
 
 

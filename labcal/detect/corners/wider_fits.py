@@ -4,11 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import CornerFit, Surroundings, refit_corner
+from labcal.detect.corners.corner_fit import CornerFit, Surroundings, WideFit, widen, with_known_light
 from labcal.detect.corners.edge_bends import edge_bends
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
+
+_LIGHT_NODES = 1
+"""Nodes to either side whose white levels tell the slope of the light."""
+_FEWEST = 5
 
 
 def wider_fits(
@@ -21,7 +25,8 @@ def wider_fits(
 
     A first fit keeps so near to its corner that no lens bends an edge by more than a hundredth of a pixel.
     The corners beside it then tell how the edges bend, so that all of them can be used; a corner that has no
-    neighbours on both sides near by keeps its first fit.
+    neighbours on both sides near by keeps its first fit. The slope of the light, the one other parameter that
+    is odd about the corner and so moves it, is that of the white level from corner to corner.
 
     Parameters
     ----------
@@ -36,28 +41,59 @@ def wider_fits(
     Returns
     -------
     dict of (col, row) to CornerFit
-        Without corners beside which something is in the way: those whose wider fit does not converge.
+        Without those whose wider fit does not converge, or where the light is not known.
     """
     places = {node: fit.centre for node, fit in fits.items()}
     bends = edge_bends(places)
-    found = {}
+    wide: dict[Node, WideFit] = {}
     for node, fit in fits.items():
-        if node not in bends:
-            found[node] = fit
+        if node in bends:
+            near = replace(
+                around[node],
+                centre=fit.centre,
+                axes=_steps(places, node, around[node].axes),
+                reach=settings.max_reach_px,
+                share=settings.wide_reach_squares,
+                bend=_across(bends[node], fit.state),
+            )
+            found = widen(grey, near, fit.state, settings)
+            if found is not None:
+                wide[node] = found
+    bends, slopes = edge_bends({node: one.centre for node, one in wide.items()}), _slopes(wide)
+    final = {node: fit for node, fit in fits.items() if node not in bends or node not in slopes}
+    for node, one in wide.items():
+        if node not in final:
+            known = with_known_light(one, slopes[node], _across(bends[node], one.state), settings)
+            if known is not None:
+                final[node] = known
+    return final
+
+
+def _across(bends: np.ndarray, state: np.ndarray) -> np.ndarray:
+    """Return how much the edges of a fit bend towards their normals, of vectors along x and along y, 1/px."""
+    # The first normal is that of the edge along y, the second one that of the edge along x.
+    normals = np.stack([np.cos(state[2:4]), np.sin(state[2:4])], axis=-1)
+    return np.asarray((normals * bends[::-1]).sum(axis=1))
+
+
+def _slopes(fits: dict[Node, WideFit]) -> dict[Node, np.ndarray]:
+    """Return the slope of the light at corners, 1/px: that of the white level of the fits around each.
+
+    Left out where these are too few, or on one line.
+    """
+    around = range(-_LIGHT_NODES, _LIGHT_NODES + 1)
+    found = {}
+    for col, row in fits:
+        near = [
+            fits[col + i, row + j] for i in around for j in around if (col + i, row + j) in fits
+        ]
+        place = np.array([fit.centre for fit in near]) - fits[col, row].centre
+        white = np.array([fit.state[6] + fit.state[7] for fit in near])
+        design = np.concatenate([np.ones((len(near), 1)), place], axis=1)
+        if len(near) < _FEWEST or np.linalg.matrix_rank(design) < design.shape[1]:
             continue
-        # The first normal is that of the edge along y, the second one that of the edge along x.
-        normals = np.stack([np.cos(fit.state[2:4]), np.sin(fit.state[2:4])], axis=-1)
-        bend = (normals * bends[node][::-1]).sum(axis=1)
-        near = replace(
-            around[node],
-            centre=fit.centre,
-            axes=_steps(places, node, around[node].axes),
-            reach=settings.max_reach_px,
-            bend=bend,
-        )
-        wider = refit_corner(grey, near, fit, settings)
-        if wider is not None:
-            found[node] = wider
+        level, *slope = np.linalg.lstsq(design, white, rcond=None)[0]
+        found[col, row] = np.array(slope) / level
     return found
 
 

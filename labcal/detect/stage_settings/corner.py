@@ -87,6 +87,12 @@ class CornerSettings(StageSettings):
         le=1000,
         description="Most reach once the bend of the edges is known. Larger: slower, more exact on large squares.",
     )
+    wide_reach_squares: float = Field(
+        0.5,
+        gt=0,
+        le=0.6,
+        description="Reach of the wider fit, to where the next corner begins. Larger: more pixels, more of the next edges.",
+    )
     edge_blurs: float = Field(
         6.0,
         ge=4,
