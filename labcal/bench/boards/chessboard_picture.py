@@ -169,7 +169,7 @@ def _ink(board: Chessboard):  # type: ignore[no-untyped-def]  # noqa: ANN202 -- 
     def ink(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         with np.errstate(invalid="ignore"):  # NaN is behind the camera
             i, j = (np.floor(np.nan_to_num(place, nan=-99.0)).astype(int) + 1 for place in (x, y))
-            black = board.is_black(i, j).astype(float)
+            black = 0.5 + 0.5 * _waves(x) * _waves(y)
             for mark in board.marks:
                 round_ = np.hypot(x - mark[0] + 0.5, y - mark[1] + 0.5) < 0.5 * board.mark_share
                 black = np.where(round_, 1.0 - black, black)
@@ -184,6 +184,18 @@ def _ink(board: Chessboard):  # type: ignore[no-untyped-def]  # noqa: ANN202 -- 
         return np.asarray(np.where(on_board, black, np.where(paper, 0.0, 0.6)))
 
     return ink
+
+
+def _waves(x: np.ndarray) -> np.ndarray:
+    """Return 1 in every other square along an axis and -1 in the others, linear across a sample at an edge.
+
+    An edge along the rows of samples would else be off by up to half of one.
+    """
+    down, across = np.gradient(x)
+    nearest = np.rint(x)
+    off = 2.0 * (x - nearest) / np.hypot(down, across)
+    sign = 1.0 - 2.0 * np.mod(nearest, 2.0)
+    return np.asarray(-sign * np.clip(off, -1.0, 1.0))
 
 
 def _covers(picture: ChessboardPicture, inside: Mask, random: np.random.Generator) -> tuple[Cover, ...]:

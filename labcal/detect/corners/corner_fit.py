@@ -147,6 +147,12 @@ class WideFit:
         """Where the edges cross, px."""
         return np.asarray(self.start + self.state[:2])
 
+    @property
+    def roughness(self) -> float:
+        """Root mean square residual over the step from black to white."""
+        residual = linearise(self.state, self.window).residual
+        return float(np.sqrt((residual**2).mean())) / (2.0 * float(self.state[7]))
+
 
 def widen(
     grey: GreyPicture, around: Surroundings, first: np.ndarray, settings: CornerSettings

@@ -6,7 +6,7 @@ from labcal.arrays import Pixels
 from labcal.detect.lattice.lattice import Node
 
 _NEAR = 1
-"""Nodes to either side whose curvatures are averaged, against the corners' noise."""
+"""Nodes to either side whose curvatures have one median, against the corners' noise."""
 
 
 def edge_bends(places: dict[Node, np.ndarray]) -> dict[Node, Pixels]:
@@ -34,7 +34,7 @@ def edge_bends(places: dict[Node, np.ndarray]) -> dict[Node, Pixels]:
             for of in own
         ]
         if near[0] and near[1]:
-            found[col, row] = np.array([np.mean(one, axis=0) for one in near])
+            found[col, row] = np.array([np.median(one, axis=0) for one in near])
     return found
 
 

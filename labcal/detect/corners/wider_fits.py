@@ -13,6 +13,8 @@ from labcal.detect.stage_settings.corner import CornerSettings
 _LIGHT_NODES = 1
 """Nodes to either side whose white levels tell the slope of the light."""
 _FEWEST = 5
+_ROUGH_NODES = 2
+"""Nodes to either side whose residuals are the usual ones."""
 
 
 def wider_fits(
@@ -59,8 +61,10 @@ def wider_fits(
             found = widen(grey, near, fit.state, settings)
             if found is not None:
                 wide[node] = found
+    wide = _clear(wide, settings.clear_roughness_factor)
+    clear = {node for node in fits if node in wide or node not in bends}
     bends, slopes = edge_bends({node: one.centre for node, one in wide.items()}), _slopes(wide)
-    final = {node: fit for node, fit in fits.items() if node not in bends or node not in slopes}
+    final = {node: fits[node] for node in clear if node not in bends or node not in slopes}
     for node, one in wide.items():
         if node not in final:
             known = with_known_light(one, slopes[node], _across(bends[node], one.state), settings)
@@ -74,6 +78,20 @@ def _across(bends: np.ndarray, state: np.ndarray) -> np.ndarray:
     # The first normal is that of the edge along y, the second one that of the edge along x.
     normals = np.stack([np.cos(state[2:4]), np.sin(state[2:4])], axis=-1)
     return np.asarray((normals * bends[::-1]).sum(axis=1))
+
+
+def _clear(wide: dict[Node, WideFit], factor: float) -> dict[Node, WideFit]:
+    """Return the fits that are not much rougher than those around: nothing lies in the squares of these."""
+    roughness = {node: one.roughness for node, one in wide.items()}
+    around = range(-_ROUGH_NODES, _ROUGH_NODES + 1)
+    found = {}
+    for (col, row), one in wide.items():
+        near = [
+            roughness[col + i, row + j] for i in around for j in around if (col + i, row + j) in roughness
+        ]
+        if roughness[col, row] <= factor * float(np.median(near)):
+            found[col, row] = one
+    return found
 
 
 def _slopes(fits: dict[Node, WideFit]) -> dict[Node, np.ndarray]:

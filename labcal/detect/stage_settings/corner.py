@@ -99,6 +99,13 @@ class CornerSettings(StageSettings):
         le=100,
         description="Distance from the edges up to which the wider fit takes pixels. Larger: slower, more of the light.",
     )
+    clear_roughness_factor: float = Field(
+        1.4,
+        ge=1.1,
+        le=100,
+        description="Roughness, in that of the corners around, above which something lies beside a corner. Larger: "
+        "fewer are bad-fit.",
+    )
     max_refit_blurs: float = Field(
         0.5,
         gt=0,
