@@ -1,4 +1,4 @@
-"""From a picture of a plain chessboard to its corners: saddle points, their lattice, ids, and a fit of each."""
+"""From a picture of a plain chessboard to its corners: saddle points, lattice, ids, and fits."""
 
 from dataclasses import dataclass, replace
 
@@ -7,7 +7,7 @@ import numpy as np
 
 from labcal.detect.corners.board_lattice import find_board_lattices
 from labcal.detect.corners.board_numbering import SeenBoard, number_board
-from labcal.detect.corners.corners import Corners, measured_corners
+from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
 from labcal.detect.corners.picture_corners import picture_corners
 from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.dots import PictureDots
@@ -52,6 +52,7 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     if found.refusal is not None:
         return picture_corners(Corners.none(), grey, found.refusal, settings)
     corners = measured_corners(grey, board, found.corners, settings)
+    corners = widened_corners(grey, board, corners, settings.corner)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not corners.select(ok).spans_a_plane():
         return picture_corners(corners, grey, Refusal.TOO_FEW_DOTS, settings)

@@ -111,13 +111,13 @@ _ADVICE = {
         "y, and its pattern: 'legacy' for boards made by OpenCV before 4.6."
     ),
     Refusal.NO_CHESSBOARD: (
-        "No chessboard was found. Check that the board is in the picture, in focus and flat, and that a square "
-        "is at least 10 px across."
+        "No chessboard was found. Check that the board is in the picture, in focus and flat, and that a "
+        "square is at least 10 px across."
     ),
     Refusal.BOARD_IN_PART: (
-        "Only a part of the chessboard was found, and nothing numbers it. Show the whole board, at least half "
-        "of the corners of each outermost line; check that the target has as many inner corners as the print; "
-        "or use a board with marks, or a ChArUco board."
+        "Only a part of the chessboard was found, and nothing numbers it. Show the whole board, most of the "
+        "corners of each outermost line; check that the target has as many inner corners as the print; or "
+        "use a board with marks, or a ChArUco board."
     ),
     Refusal.OTHER_CHESSBOARD: (
         "A chessboard was found that is not the target's. Check its numbers of inner corners (squares less "

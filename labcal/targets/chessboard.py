@@ -164,9 +164,7 @@ class Chessboard(ScaledPrint):
         if self.cols == self.rows and self.cols % 2 == 0:
             turns += [1, 3]
         marks = set(self.marks)
-        return tuple(
-            turn for turn in sorted(turns) if {self._turned(mark, turn) for mark in marks} == marks
-        )
+        return tuple(turn for turn in sorted(turns) if {self._turned(mark, turn) for mark in marks} == marks)
 
     def symmetric_indices(self, indices: DotIndices) -> tuple[DotIndices, ...]:
         """Return (col, row) of corners under every turn after which the board looks the same.
@@ -192,4 +190,6 @@ class Chessboard(ScaledPrint):
     def _turned(self, square: MarkedSquare, turn: int) -> MarkedSquare:
         """Return where a square of the board comes to lie after quarter turns anticlockwise."""
         i, j = square
-        return {0: (i, j), 1: (self.rows - j, i), 2: (self.cols - i, self.rows - j), 3: (j, self.cols - i)}[turn]
+        return {0: (i, j), 1: (self.rows - j, i), 2: (self.cols - i, self.rows - j), 3: (j, self.cols - i)}[
+            turn
+        ]

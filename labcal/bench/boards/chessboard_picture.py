@@ -32,6 +32,10 @@ FOCAL = 1.3
 BORDER_SQUARES = 0.6
 """White paper around the squares."""
 CLEAR_PX = 1.0
+FRAME_PX = 6.0
+"""Distance from the frame of a corner that can be measured."""
+LEAST_DEPTH = 0.1
+"""Of a corner, in that of the board's middle."""
 MOST_TRIES = 200
 PLAIN = Chessboard(kind="chessboard", name="bench-plain", cols=9, rows=6, square_mm=1.0)
 MARKED = Chessboard(
@@ -98,7 +102,7 @@ def chessboard_picture(number: int, seed: int) -> ChessboardPicture:
 
 def _drawn_once(board: Chessboard, random: np.random.Generator) -> ChessboardPicture | None:
     """Draw a picture; None where the board does not fit."""
-    width, height = SIZE
+    width = SIZE[0]
     tilt = np.radians(random.uniform(*TILT_DEG))
     square = SQUARE_PX[0] * (SQUARE_PX[1] / SQUARE_PX[0]) ** random.uniform()
     azimuth, roll, direction = random.uniform(-np.pi, np.pi, 3).tolist()
@@ -110,7 +114,7 @@ def _drawn_once(board: Chessboard, random: np.random.Generator) -> ChessboardPic
     x, y = (np.array(SIZE) * (0.5 + random.uniform(-spread, spread, 2))).tolist()
     H = np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]]) @ H
     p = board.points()
-    if (np.concatenate([p[:, :2], np.ones((len(p), 1))], axis=1) @ H[2] <= 0.1).any():
+    if (np.concatenate([p[:, :2], np.ones((len(p), 1))], axis=1) @ H[2] <= LEAST_DEPTH).any():
         return None
     fall = np.log(GRADIENT[0] * (GRADIENT[1] / GRADIENT[0]) ** random.uniform()) / np.hypot(*SIZE)
     gradient = fall * np.array([np.cos(direction), np.sin(direction)])
@@ -121,7 +125,7 @@ def _drawn_once(board: Chessboard, random: np.random.Generator) -> ChessboardPic
         float(np.degrees(tilt)),
     )  # fmt: skip
     heights = np.array([_height(picture.axes(k)) for k in range(len(p))])
-    inside = ((picture.corner > 6.0) & (picture.corner < np.array(SIZE) - 7.0)).all(axis=1)
+    inside = ((picture.corner > FRAME_PX) & (picture.corner < np.array(SIZE) - 1.0 - FRAME_PX)).all(axis=1)
     if not inside.any() or heights[inside].min() < NARROWEST_PX:
         return None
     most = max(BLUR_PX[0], min(BLUR_PX[1], MOST_BLUR_SHARE * float(heights[inside].min())))
@@ -129,10 +133,16 @@ def _drawn_once(board: Chessboard, random: np.random.Generator) -> ChessboardPic
     covers = _covers(picture, inside, random) if board.marks else ()
     visible = inside.copy()
     if covers:
-        reach = CLEAR_PX + 2.0 * exposure.blur_px + 0.5 * np.array([_length(picture.axes(k)) for k in range(len(p))])
+        reach = (
+            CLEAR_PX
+            + 2.0 * exposure.blur_px
+            + 0.5 * np.array([_length(picture.axes(k)) for k in range(len(p))])
+        )
         visible &= np.min([cover.distance(picture.corner) for cover in covers], axis=0) > reach
     return ChessboardPicture(
-        picture=drawn(exposure, _ink(board), covers, random) if _countable(board, visible) else picture.picture,
+        picture=drawn(exposure, _ink(board), covers, random)
+        if _countable(board, visible)
+        else picture.picture,
         board=board,
         exposure=exposure,
         corner=picture.corner,

@@ -1,4 +1,4 @@
-"""Checks of chessboards on drawn pictures: share indexed, wrong ids, errors over the bound, OpenCV's beside them."""
+"""Checks of chessboards on drawn pictures: share indexed, wrong ids, errors over the bound, OpenCV's."""
 
 import time
 from dataclasses import dataclass
@@ -158,13 +158,19 @@ def chessboard_checks(name: str, outcomes: list[BoardOutcome]) -> Findings:
         Figure(name=f"{name}: labcal, median s", value=_median([one.seconds["labcal"] for one in outcomes])),
     ]
     for way in WAYS:
-        theirs, ours = (np.concatenate([getattr(one, part)[way] for one in outcomes]) for part in ("opencv", "own"))
-        checks.append(at_most(f"{name}: RMS error over that of {way}", _rms(ours) / _rms(theirs), MOST_OF_OPENCV))
+        theirs, ours = (
+            np.concatenate([getattr(one, part)[way] for one in outcomes]) for part in ("opencv", "own")
+        )
+        checks.append(
+            at_most(f"{name}: RMS error over that of {way}", _rms(ours) / _rms(theirs), MOST_OF_OPENCV)
+        )
         found = np.mean([len(one.opencv[way]) > 0 for one in outcomes])
         figures.append(Figure(name=f"{name}: share in which {way} finds the board", value=float(found)))
         figures.append(Figure(name=f"{name}: {way}, RMS error, px", value=_rms(theirs)))
         figures.append(Figure(name=f"{name}: labcal on the same corners, RMS error, px", value=_rms(ours)))
-        figures.append(Figure(name=f"{name}: {way}, median s", value=_median([o.seconds[way] for o in outcomes])))
+        figures.append(
+            Figure(name=f"{name}: {way}, median s", value=_median([o.seconds[way] for o in outcomes]))
+        )
     fast = [one.seconds["labcal"] / one.seconds[WAYS[0]] for one in outcomes if len(one.opencv[WAYS[0]])]
     checks.append(at_most(f"{name}: time over that of {WAYS[0]}", _median(fast), MOST_TIME))
     return Findings(checks, figures)

@@ -9,7 +9,7 @@ from labcal.targets.chessboard import Chessboard
 SB, SUBPIX = "findChessboardCornersSB", "findChessboardCorners with cornerSubPix"
 WAYS = (SB, SUBPIX)
 _WINDOW_SHARE, _MOST_WINDOW = 0.3, 11
-"""Half the window of `cornerSubPix`, of the least distance of corners, and px: it must not reach the next one."""
+"""Half the window of `cornerSubPix`, of the least distance of corners, and px: to no other corner."""
 
 
 def opencv_corners(picture: np.ndarray, board: Chessboard, way: str) -> Pixels:
@@ -36,5 +36,7 @@ def opencv_corners(picture: np.ndarray, board: Chessboard, way: str) -> Pixels:
     apart = np.linalg.norm(np.diff(rough.reshape(board.rows, board.cols, 2), axis=1), axis=-1).min()
     half = int(np.clip(_WINDOW_SHARE * apart, 2, _MOST_WINDOW))
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 50, 1e-4)
-    fine = cv2.cornerSubPix(picture, np.ascontiguousarray(rough[:, None], dtype=np.float32), (half, half), (-1, -1), criteria)
+    fine = cv2.cornerSubPix(
+        picture, np.ascontiguousarray(rough[:, None], dtype=np.float32), (half, half), (-1, -1), criteria
+    )
     return np.asarray(fine, dtype=np.float64).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""Lattices of saddle points: crosses along their own edges as seeds, grown and checked as grids of dots are."""
+"""Lattices of saddle points: crosses along their edges as seeds, grown as grids of dots are."""
 
 import numpy as np
 
@@ -63,7 +63,7 @@ def find_board_lattices(
 
 
 def _crosses(saddles: Saddles, settings: DetectSettings) -> tuple[np.ndarray, np.ndarray]:
-    """Return the next corners along both edges, (n, 4), and how badly they fit; infinite where one is missing."""
+    """Return the next corners along both edges, (n, 4), and their misfit; infinite where one is missing."""
     from scipy.spatial import cKDTree  # noqa: PLC0415 -- takes a while to import
 
     n = len(saddles.place)
@@ -72,10 +72,13 @@ def _crosses(saddles: Saddles, settings: DetectSettings) -> tuple[np.ndarray, np
     way = saddles.place[near] - saddles.place[:, None]
     angle = np.arctan2(way[..., 1], way[..., 0])
     bisector = saddles.edges.mean(axis=1)
-    opposite = saddles.is_white(near, np.broadcast_to(bisector[:, None], near.shape)) != saddles.is_white(
-        np.arange(n), bisector
-    )[:, None]
-    opposite &= np.abs(np.log(saddles.step[near] / saddles.step[:, None])) < np.log(settings.saddle.max_step_ratio)
+    opposite = (
+        saddles.is_white(near, np.broadcast_to(bisector[:, None], near.shape))
+        != saddles.is_white(np.arange(n), bisector)[:, None]
+    )
+    opposite &= np.abs(np.log(saddles.step[near] / saddles.step[:, None])) < np.log(
+        settings.saddle.max_step_ratio
+    )
     most = np.radians(settings.saddle.max_bend_deg)
     arms, lengths = np.zeros((n, 4), dtype=np.int64), np.full((n, 4), np.inf)
     # The second edge's angle is the larger one, and y runs down: turned anticlockwise it gives the first.

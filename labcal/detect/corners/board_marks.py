@@ -48,7 +48,9 @@ def _crossing(q: np.ndarray) -> np.ndarray:
     first, second = q[:, 2] - q[:, 0], q[:, 3] - q[:, 1]
     between = q[:, 1] - q[:, 0]
     cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    share = (between[:, 0] * second[:, 1] - between[:, 1] * second[:, 0]) / np.where(cross == 0.0, np.inf, cross)
+    share = (between[:, 0] * second[:, 1] - between[:, 1] * second[:, 0]) / np.where(
+        cross == 0.0, np.inf, cross
+    )
     return np.asarray(q[:, 0] + share[:, None] * first)
 
 

@@ -42,8 +42,8 @@ def number_board(seen: SeenBoard, board: Chessboard, settings: DetectSettings) -
     and no plain square is where the board has a mark. Of fitting turns that the board's own symmetry allows,
     that one is taken whose columns run most nearly to the right in the picture.
 
-    Lines beyond the board's number that hold few corners are left out: corners of the outermost squares at the
-    paper's rim, every other of which may look like an inner one.
+    Lines beyond the board's number that hold few corners are left out: corners of the outermost squares at
+    the paper's rim, every other of which may look like an inner one.
 
     Returns
     -------
@@ -140,10 +140,13 @@ def _marked_places(
         low, high = turned.min(axis=0), turned.max(axis=0)
         # The middle of square (col, row) of the board lies half a step below and left of corner (col, row).
         middles = np.rint((squares + 0.5) @ turn.T + 0.5).astype(np.int64)
-        for right in range(-low[0], board.cols - high[0]):
-            for up in range(-low[1], board.rows - high[1]):
-                if (right + up) % 2 == parity and (
-                    wanted[tuple((middles + [right, up]).T)] == marked
-                ).all():
-                    found.append(Numbering(turn, np.array([right, up])))
+        shifts = [
+            np.array([right, up])
+            for right in range(-low[0], board.cols - high[0])
+            for up in range(-low[1], board.rows - high[1])
+            if (right + up) % 2 == parity
+        ]
+        found += [
+            Numbering(turn, shift) for shift in shifts if (wanted[tuple((middles + shift).T)] == marked).all()
+        ]
     return found

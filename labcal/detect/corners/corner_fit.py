@@ -106,7 +106,7 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
     """
     square = float(np.sqrt(abs(np.linalg.det(around.axes))))
     narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
-    window = _window(grey, around, settings.marker_guard_blurs * settings.first_blur_px / narrow, settings)
+    window = _window(grey, around, settings.marker_guard_blurs * settings.first_blur_px / narrow)
     first = settle(
         _begin(window, around, settings.first_blur_px), window, settings.first_tolerance_px, settings
     )
@@ -114,7 +114,7 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
         return None
     # What is left out around markers follows the blur, now that it is known.
     blur = float(first[4:6].max())
-    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow, settings)
+    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow)
     state = settle(first, window, settings.tolerance_px, settings)
     if state is None or state[7] <= 0 or state[4:6].max() > settings.max_blur_squares * narrow:
         return None
@@ -177,7 +177,7 @@ def widen(
     begin = np.concatenate([np.zeros(2), first[2:]])
     blur = float(begin[4:6].max())
     narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
-    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow, settings)
+    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow)
     window = window.along_edges(begin, settings.edge_blurs)
     state = settle(begin, window, settings.first_tolerance_px, settings)
     if state is None or state[7] <= 0 or state[4:6].max() > settings.max_blur_squares * narrow:
@@ -221,7 +221,7 @@ def is_cut(place: np.ndarray, grey: GreyPicture, margin: float) -> bool:
     return bool((place < margin).any() or (place > last - margin).any())
 
 
-def _window(grey: GreyPicture, around: Surroundings, guard: float, settings: CornerSettings) -> CornerPixels:
+def _window(grey: GreyPicture, around: Surroundings, guard: float) -> CornerPixels:
     """Select the pixels around a corner that belong to its own edges; `guard` is in squares."""
     height, width = grey.shape
     low = np.maximum(np.ceil(around.centre - around.reach), 0).astype(int)

@@ -145,7 +145,7 @@ def settled(
     ends: tuple[float, int],
     limits: FitLimits,
 ) -> bool:
-    """Iterate a state, in place, to the least squares (Gauss-Newton, shortened steps); False if it runs away.
+    """Iterate a state, in place, to the least squares (Gauss-Newton); False if it runs away.
 
     `ends` is the step at which it ends, px, and the number of parameters that are free, from the first one on.
     """

@@ -115,7 +115,39 @@ def measured_corners(
                 fits.append(fit)
                 seen_at.append(fit.centre)
                 found = True
-    return search.widened(Corners(np.array(index, dtype=np.int64), np.array(seen_at), fits))
+    return Corners(np.array(index, dtype=np.int64), np.array(seen_at), fits)
+
+
+def widened_corners(
+    grey: GreyPicture, board: SquareBoard, corners: Corners, settings: CornerSettings
+) -> Corners:
+    """Return corners with their fits over all of their edges, those that are as good as the others.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+        The picture.
+    board : SquareBoard
+    corners : Corners
+        As of :func:`measured_corners`.
+    settings : CornerSettings
+    """
+    nodes = [(int(i), int(j)) for i, j in corners.index]
+    fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
+    if not corners.spans_a_plane() or not fits:
+        return corners
+    search = _Search(grey, board, settings)
+    around = {
+        node: search.surroundings(node, place, axes)
+        for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
+    }
+    wider = wider_fits(grey, fits, around, settings)
+    standard = _Standard.of(list(wider.values()))
+    found = [standard.met_by(wider.get(node), settings) for node in nodes]
+    seen_at = [
+        place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
+    ]
+    return Corners(corners.index, np.array(seen_at), found)
 
 
 def _as_outlines(places: list[np.ndarray]) -> Outlines:
@@ -148,24 +180,6 @@ class _Search:
             if fit is None or prediction.residual(fit.centre) > self.settings.max_residual_squares
             else fit
         )
-
-    def widened(self, corners: Corners) -> Corners:
-        """Return corners with their fits over all of their edges, those that are as good as the others."""
-        nodes = [(int(i), int(j)) for i, j in corners.index]
-        fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
-        if not corners.spans_a_plane() or not fits:
-            return corners
-        around = {
-            node: self.surroundings(node, place, axes)
-            for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
-        }
-        wider = wider_fits(self.grey, fits, around, self.settings)
-        standard = _Standard.of(list(wider.values()))
-        found = [standard.met_by(wider.get(node), self.settings) for node in nodes]
-        seen_at = [
-            place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
-        ]
-        return Corners(corners.index, np.array(seen_at), found)
 
     def surroundings(self, node: Node, place: np.ndarray, axes: np.ndarray) -> Surroundings:
         """Return what lies around a corner of the board."""

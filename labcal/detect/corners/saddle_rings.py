@@ -1,4 +1,4 @@
-"""Rings around saddle points: whether two straight edges cross there, along what angles, and which side is white."""
+"""Rings around saddle points: whether two edges cross there, at what angles, and where it is white."""
 
 from math import cos, floor, pi, sin
 from typing import NamedTuple
@@ -8,7 +8,7 @@ import numpy as np
 from labcal.detect.compiled import compiled
 
 READING = 4
-"""Of a ring: angles of the two edges, 1 where it is white between them (else -1), step from black to white."""
+"""Of a ring: angles of the two edges, 1 where it is white between them, else -1; step."""
 _HALF = 24
 """Samples along half a ring."""
 
@@ -58,7 +58,7 @@ def read_rings(smooth: np.ndarray, places: np.ndarray, limits: RingLimits) -> np
 @compiled
 def _at(picture: np.ndarray, x: float, y: float) -> float:
     """Return the linearly interpolated value of a picture, px."""
-    i, j = int(floor(x)), int(floor(y))
+    i, j = floor(x), floor(y)
     a, b = x - i, y - j
     low = (1.0 - a) * picture[j, i] + a * picture[j, i + 1]
     high = (1.0 - a) * picture[j + 1, i] + a * picture[j + 1, i + 1]

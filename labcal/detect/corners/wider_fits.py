@@ -85,12 +85,12 @@ def _clear(wide: dict[Node, WideFit], factor: float) -> dict[Node, WideFit]:
     roughness = {node: one.roughness for node, one in wide.items()}
     around = range(-_ROUGH_NODES, _ROUGH_NODES + 1)
     found = {}
-    for (col, row), one in wide.items():
+    for (col, row), own in roughness.items():
         near = [
             roughness[col + i, row + j] for i in around for j in around if (col + i, row + j) in roughness
         ]
-        if roughness[col, row] <= factor * float(np.median(near)):
-            found[col, row] = one
+        if own <= factor * float(np.median(near)):
+            found[col, row] = wide[col, row]
     return found
 
 
@@ -102,9 +102,7 @@ def _slopes(fits: dict[Node, WideFit]) -> dict[Node, np.ndarray]:
     around = range(-_LIGHT_NODES, _LIGHT_NODES + 1)
     found = {}
     for col, row in fits:
-        near = [
-            fits[col + i, row + j] for i in around for j in around if (col + i, row + j) in fits
-        ]
+        near = [fits[col + i, row + j] for i in around for j in around if (col + i, row + j) in fits]
         place = np.array([fit.centre for fit in near]) - fits[col, row].centre
         white = np.array([fit.state[6] + fit.state[7] for fit in near])
         design = np.concatenate([np.ones((len(near), 1)), place], axis=1)

@@ -85,32 +85,32 @@ class CornerSettings(StageSettings):
         60.0,
         ge=5,
         le=1000,
-        description="Most reach once the bend of the edges is known. Larger: slower, more exact on large squares.",
+        description="Most reach once the bend of the edges is known. Larger: slower, more exact.",
     )
     wide_reach_squares: float = Field(
         0.5,
         gt=0,
         le=0.6,
-        description="Reach of the wider fit, to where the next corner begins. Larger: more pixels, more of the next edges.",
+        description="Reach of the wider fit, to where the next corner begins. Larger: more of the next edges.",
     )
     edge_blurs: float = Field(
         6.0,
         ge=4,
         le=100,
-        description="Distance from the edges up to which the wider fit takes pixels. Larger: slower, more of the light.",
+        description="Distance from the edges of the wider fit's pixels, at most. Larger: slower.",
     )
     clear_roughness_factor: float = Field(
         1.4,
         ge=1.1,
         le=100,
-        description="Roughness, in that of the corners around, above which something lies beside a corner. Larger: "
-        "fewer are bad-fit.",
+        description="Roughness, in that of the corners around, above which a corner is bad-fit. Larger: "
+        "fewer are.",
     )
     max_refit_blurs: float = Field(
         0.5,
         gt=0,
         le=5,
-        description="Most distance of the wider fit from the first one. Larger: corners beside obstacles pass.",
+        description="Most distance of the wider fit from the first one. Larger: more beside obstacles pass.",
     )
     marker_guard_blurs: float = Field(
         1.0,
