@@ -125,13 +125,14 @@ def _drawn_once(board: Chessboard, random: np.random.Generator) -> ChessboardPic
         float(np.degrees(tilt)),
     )  # fmt: skip
     heights = np.array([_height(picture.axes(k)) for k in range(len(p))])
-    inside = ((picture.corner > FRAME_PX) & (picture.corner < np.array(SIZE) - 1.0 - FRAME_PX)).all(axis=1)
+    last = np.array(SIZE) - 1.0 - FRAME_PX
+    inside = np.asarray(((picture.corner > FRAME_PX) & (picture.corner < last)).all(axis=1))
     if not inside.any() or heights[inside].min() < NARROWEST_PX:
         return None
     most = max(BLUR_PX[0], min(BLUR_PX[1], MOST_BLUR_SHARE * float(heights[inside].min())))
     exposure = Exposure(SIZE, H, float(random.uniform(BLUR_PX[0], most)), gradient, float(noise))
     covers = _covers(picture, inside, random) if board.marks else ()
-    visible = inside.copy()
+    visible = np.asarray(inside.copy())
     if covers:
         reach = (
             CLEAR_PX

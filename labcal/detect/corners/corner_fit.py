@@ -190,7 +190,7 @@ def widen(
 def with_known_light(
     wide: WideFit, slope: np.ndarray, bend: np.ndarray, settings: CornerSettings
 ) -> CornerFit | None:
-    """Return a wide fit with the slope of the light (1/px) and the bend of its edges (1/px) as they are known.
+    """Return a wide fit with the slope of the light and the bend of its edges as they are known.
 
     Parameters
     ----------

@@ -147,7 +147,7 @@ def settled(
 ) -> bool:
     """Iterate a state, in place, to the least squares (Gauss-Newton); False if it runs away.
 
-    `ends` is the step at which it ends, px, and the number of parameters that are free, from the first one on.
+    `ends` is the step at which it ends, px, and the number of free parameters, from the first one on.
     """
     tolerance, free = ends
     n = len(pixels[1])

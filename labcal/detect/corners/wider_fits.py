@@ -101,9 +101,9 @@ def _slopes(fits: dict[Node, WideFit]) -> dict[Node, np.ndarray]:
     """
     around = range(-_LIGHT_NODES, _LIGHT_NODES + 1)
     found = {}
-    for col, row in fits:
+    for (col, row), own in fits.items():
         near = [fits[col + i, row + j] for i in around for j in around if (col + i, row + j) in fits]
-        place = np.array([fit.centre for fit in near]) - fits[col, row].centre
+        place = np.array([fit.centre for fit in near]) - own.centre
         white = np.array([fit.state[6] + fit.state[7] for fit in near])
         design = np.concatenate([np.ones((len(near), 1)), place], axis=1)
         if len(near) < _FEWEST or np.linalg.matrix_rank(design) < design.shape[1]:

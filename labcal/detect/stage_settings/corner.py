@@ -91,7 +91,7 @@ class CornerSettings(StageSettings):
         0.5,
         gt=0,
         le=0.6,
-        description="Reach of the wider fit, to where the next corner begins. Larger: more of the next edges.",
+        description="Reach of the wider fit, to the next corner's. Larger: more of the next edges.",
     )
     edge_blurs: float = Field(
         6.0,
