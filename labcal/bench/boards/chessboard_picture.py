@@ -121,9 +121,14 @@ def _drawn_once(board: Chessboard, random: np.random.Generator) -> ChessboardPic
     noise = NOISE[0] * (NOISE[1] / NOISE[0]) ** random.uniform()
     sharp = Exposure(SIZE, H, 0.0, gradient, float(noise))
     picture = ChessboardPicture(
-        np.zeros((0, 0), dtype=np.uint8), board, sharp, sharp.seen(p[:, :2]), np.zeros(len(p), dtype=bool), False,
-        float(np.degrees(tilt)),
-    )  # fmt: skip
+        picture=np.zeros((0, 0), dtype=np.uint8),
+        board=board,
+        exposure=sharp,
+        corner=sharp.seen(p[:, :2]),
+        visible=np.zeros(len(p), dtype=bool),
+        countable=False,
+        tilt_deg=float(np.degrees(tilt)),
+    )
     heights = np.array([_height(picture.axes(k)) for k in range(len(p))])
     last = np.array(SIZE) - 1.0 - FRAME_PX
     inside = np.asarray(((picture.corner > FRAME_PX) & (picture.corner < last)).all(axis=1))

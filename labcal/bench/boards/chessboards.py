@@ -135,7 +135,11 @@ def chessboard_checks(name: str, outcomes: list[BoardOutcome]) -> Findings:
     )
     squares = np.einsum("ni,ni->n", error, np.linalg.solve(covariance, error[..., None])[..., 0])
     checks = [
-        at_most(f"{name}: share not indexed", 1.0 - np.mean([o.indexed for o in outcomes]), MOST_NOT_INDEXED),
+        at_most(
+            f"{name}: share not indexed",
+            1.0 - float(np.mean([o.indexed for o in outcomes])),
+            MOST_NOT_INDEXED,
+        ),
         at_most(f"{name}: wrong ids", float(sum(one.wrong for one in outcomes)), 0.0),
         at_most(f"{name}: RMS error over the Cramer-Rao bound", over_bound(error, bound), MOST_RATIO),
         at_most(
@@ -148,7 +152,7 @@ def chessboard_checks(name: str, outcomes: list[BoardOutcome]) -> Findings:
         Figure(name=f"{name}: corners compared with the bound", value=float(len(error))),
         Figure(
             name=f"{name}: corners in sight not measured, a picture",
-            value=float(np.mean([one.missed for one in outcomes if one.indexed] or [np.nan])),
+            value=float(np.mean([float(one.missed) for one in outcomes if one.indexed] or [float("nan")])),
         ),
         Figure(name=f"{name}: RMS error over what is stated", value=over_bound(error, covariance)),
         Figure(
