@@ -65,7 +65,8 @@ def number_board(seen: SeenBoard, board: Chessboard, settings: DetectSettings) -
     if len(places) > len(board.symmetric_turns()):
         return Refusal.AMBIGUOUS
     if not places:
-        return Refusal.BOARD_IN_PART if (extent < lines).any() or board.marks else Refusal.OTHER_CHESSBOARD
+        in_part = (extent < lines).any() or bool(board.marks) or not _shows_its_ends(nodes, share)
+        return Refusal.BOARD_IN_PART if in_part else Refusal.OTHER_CHESSBOARD
     where = seen.saddles.place[list(seen.lattice.spots.values())]
     return max(places, key=lambda one: np.cos(turn_in_picture((nodes @ one.turn.T).astype(float), where)))
 
@@ -88,6 +89,13 @@ def _trimmed(lattice: Lattice, board: Chessboard, share: float) -> Lattice:
             break
         spots = {node: spot for node, spot in spots.items() if node[axis] != ends[sparse]}
     return replace(lattice, spots=spots)
+
+
+def _shows_its_ends(nodes: np.ndarray, share: float) -> bool:
+    """Tell whether each of the four outermost lines of a lattice holds a share of its nodes at least."""
+    low, high = nodes.min(axis=0), nodes.max(axis=0)
+    shown = np.minimum((nodes == low).sum(axis=0), (nodes == high).sum(axis=0))
+    return bool((shown >= share * (high - low + 1)[::-1]).all())
 
 
 def _coloured_turns(seen: SeenBoard, board: Chessboard, nodes: np.ndarray) -> list[tuple[np.ndarray, int]]:
