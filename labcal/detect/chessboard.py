@@ -22,7 +22,7 @@ from labcal.targets.chessboard import Chessboard
 
 @dataclass(frozen=True)
 class _Found:
-    """What a picture shows of a board: rough corners with their ids, or a refusal; and how many were seen."""
+    """A board in a picture: rough corners with their ids, or a refusal; and how many were seen."""
 
     corners: Corners
     refusal: Refusal | None

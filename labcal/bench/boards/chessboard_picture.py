@@ -25,7 +25,7 @@ HIDDEN = 0.3
 IN_SIGHT = 0.5
 """Share of the corners in sight of a picture that should be indexed."""
 OUT_OF_FRAME = 0.35
-"""How far the middle of a marked board is from that of the picture, of the picture's sides."""
+"""Most offset of the middle of a marked board from that of the picture, of the picture's sides."""
 UNLIKE_PAPER = 0.15
 FOCAL = 1.3
 """Focal length over the picture's width."""

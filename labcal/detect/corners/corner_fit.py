@@ -144,7 +144,7 @@ class WideFit:
 
     @property
     def centre(self) -> np.ndarray:
-        """Where the edges cross, px."""
+        """The crossing of the edges, px."""
         return np.asarray(self.start + self.state[:2])
 
     @property
