@@ -2,26 +2,19 @@
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import CornerFit, is_cut
 from labcal.detect.corners.corners import Corners, measured_corners
-from labcal.detect.corners.edge_waves import wavelengths
 from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
 from labcal.detect.corners.markers_elsewhere import why_not_in_place
+from labcal.detect.corners.picture_corners import picture_corners
 from labcal.detect.dots import PictureDots
-from labcal.detect.edges.noise import noise_factor
-from labcal.detect.edges.outline_noise import beside_flat_parts, smooth_wave_ratio
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
-from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.targets.charuco import CharucoBoard
-from labcal.targets.grid import Polarity
 from labcal.wording import counted
-
-_SHADINGS = 1.3  # of a fit's four for the light, spent on the flat parts: a third of its pixels
 
 
 def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> PictureDots:
@@ -51,7 +44,7 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     placed = markers_in_place(seen, board, settings.corner)
     if len(placed.number) == 0:
         refusal, detail = why_not_in_place(seen, board, settings.corner)
-        return _collect(Corners.none(), grey, settings).refused(refusal, detail)
+        return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
     rough = corners_beside(placed, board)
     found = Corners(rough.index, rough.q, [None] * len(rough.index), rough.axes)
     corners = measured_corners(grey, board, found, settings)
@@ -62,7 +55,7 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     ]
     corners = corners.select(np.flatnonzero(kept))
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
-    dots = _collect(corners, grey, settings)
+    dots = picture_corners(corners, grey, None, settings)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not found.spans_a_plane() or not corners.select(ok).spans_a_plane():
         whole = np.array([flag is not DotFlag.CUT for flag in dots.flag], dtype=bool)
@@ -84,43 +77,3 @@ def _read(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings) -> S
         return SeenMarkers.none()
     bytes_ = np.clip((grey - low) * (255.0 / (high - low)), 0, 255).astype(np.uint8)
     return seen_markers(bytes_, board, settings)
-
-
-def _factor(fits: list[CornerFit], settings: EdgeSettings) -> float:
-    """Return the variance of a picture's corners over what the residuals of their fits say."""
-    if not fits:
-        return 1.0
-    flat = noise_factor(np.array([fit.sums for fit in fits]), settings, _SHADINGS)
-    waves = wavelengths(float(np.median([fit.reach for fit in fits])))
-    ratio, error = smooth_wave_ratio(np.array([fit.powers for fit in fits]), waves, settings)
-    return beside_flat_parts(ratio, error, flat, settings)
-
-
-def _collect(corners: Corners, grey: GreyPicture, settings: DetectSettings) -> PictureDots:
-    """Put the corners into arrays."""
-    n = len(corners.fits)
-    factor = _factor([fit for fit in corners.fits if fit is not None], settings.edge)
-    missing = np.full((2, 2), np.nan)
-    covariance = [missing if fit is None else factor * fit.covariance for fit in corners.fits]
-    return PictureDots(
-        size=(grey.shape[1], grey.shape[0]),
-        polarity=Polarity.BLACK_ON_WHITE,
-        refusal=None,
-        index=corners.index,
-        has_id=np.ones(n, dtype=bool),
-        position=np.array(
-            [missing[0] if fit is None else fit.centre for fit in corners.fits], dtype=np.float64
-        ).reshape(-1, 2),
-        covariance=np.array(covariance, dtype=np.float64).reshape(-1, 2, 2),
-        misfit=np.full(n, np.nan),
-        flag=tuple(
-            DotFlag.OK
-            if fit is not None
-            else DotFlag.CUT
-            if is_cut(place, grey, settings.corner.frame_margin_px)
-            else DotFlag.BAD_FIT
-            for fit, place in zip(corners.fits, corners.seen_at, strict=True)
-        ),
-        seen_at=corners.seen_at,
-        outline=np.full((n, 2, 2), np.nan),
-    )

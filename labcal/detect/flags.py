@@ -59,6 +59,12 @@ class Refusal(StrEnum):
     """The board is placed by its markers, but nearly none of its corners can be measured."""
     OTHER_BOARD = "other-board"
     """Markers are seen, but not where the target has them."""
+    NO_CHESSBOARD = "no-chessboard"
+    """No corners of squares are seen, or they form no board."""
+    BOARD_IN_PART = "board-in-part"
+    """A part of a chessboard is seen, and no marks that number it."""
+    OTHER_CHESSBOARD = "other-chessboard"
+    """A chessboard is seen, but with more corners than the target, or with other colours."""
     MIRRORED = "mirrored"
     """The rings fit the target only as in a mirror."""
     NO_USABLE_DOTS = "no-usable-dots"
@@ -122,6 +128,19 @@ _ADVICE = {
     Refusal.OTHER_BOARD: (
         "Markers were found, but not in the places that the target gives them. Check its squares along x and "
         "y, and its pattern: 'legacy' for boards made by OpenCV before 4.6."
+    ),
+    Refusal.NO_CHESSBOARD: (
+        "No chessboard was found. Check that the board is in the picture, in focus and flat, and that a "
+        "square is at least 10 px across."
+    ),
+    Refusal.BOARD_IN_PART: (
+        "Only a part of the chessboard was found, and nothing numbers it. Show the whole board, most of the "
+        "corners of each outermost line; check that the target has as many inner corners as the print; or "
+        "use a board with marks, or a ChArUco board."
+    ),
+    Refusal.OTHER_CHESSBOARD: (
+        "A chessboard was found that is not the target's. Check its numbers of inner corners (squares less "
+        "one), and the colour of its lower left square."
     ),
     Refusal.MIRRORED: (
         "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is "

@@ -11,6 +11,7 @@ from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.detect.stage_settings.grid import GridSettings
 from labcal.detect.stage_settings.mark import MarkSettings
 from labcal.detect.stage_settings.quality import QualitySettings
+from labcal.detect.stage_settings.saddle import SaddleSettings
 from labcal.detect.stage_settings.segmentation import SegmentationSettings
 from labcal.detect.stage_settings.setting import PREFIX, SettingDescription, SettingValue, as_text, describe
 from labcal.detect.stage_settings.stage import StageSettings
@@ -35,9 +36,11 @@ class DetectSettings(BaseModel):
     quality : QualitySettings
         Flags of dots and refusals of pictures.
     corner : CornerSettings
-        Corners of ChArUco boards, in place of the first three.
+        Corners of ChArUco boards and chessboards, in place of the first three.
     mark : MarkSettings
         Rings of coded dots.
+    saddle : SaddleSettings
+        The search for the corners of chessboards, and their marks.
 
     Raises
     ------
@@ -64,6 +67,7 @@ class DetectSettings(BaseModel):
     quality: QualitySettings = QualitySettings()
     corner: CornerSettings = CornerSettings()
     mark: MarkSettings = MarkSettings()
+    saddle: SaddleSettings = SaddleSettings()
 
     if not TYPE_CHECKING:  # which knows what may be given from the fields
 

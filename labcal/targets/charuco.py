@@ -175,6 +175,15 @@ class CharucoBoard(ScaledPrint):
         """Sides of a square; a corner has no size."""
         return f"{self.square_mm:.6g} x {self.square_mm:.6g}", "corner"
 
+    @property
+    def corner_gap(self) -> float:
+        """White between a corner's edges and the nearest markers, in squares."""
+        return 0.5 * (1.0 - self.marker_mm / self.square_mm)
+
+    def clear_reach(self, col: int, row: int) -> float:  # noqa: ARG002 -- as of every board of squares
+        """Return 1: black squares are plain."""
+        return 1.0
+
     def is_black(self, i: Int[np.ndarray, "*n"], j: Int[np.ndarray, "*n"]) -> Bool[np.ndarray, "*n"]:
         """Return which squares are black, counted from 0 at the lower left; the others carry markers."""
         first = self.squares[1] - 1 if self.pattern is Pattern.CURRENT else 0

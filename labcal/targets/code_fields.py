@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 from labcal.errors import InputError
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.charuco import CharucoBoard, MarkerDictionary, Pattern
+from labcal.targets.chessboard import Chessboard, SquareColour
 from labcal.targets.coded_dots import CodedDots
 from labcal.targets.grid import DotGrid, Layout, Polarity
 from labcal.targets.ring_codes import RingCode
@@ -147,24 +148,57 @@ def _coded(name: str, fields: Sequence[str]) -> CodedDots:
     )
 
 
+def _chessboard_fields(board: Chessboard) -> list[str]:
+    return [
+        f"{board.cols}X{board.rows}",
+        _number(board.square_mm),
+        _LETTERS[board.lower_left],
+        ".".join(str(k) for square in board.marks for k in square),
+        _number(board.mark_share),
+        _number(board.margin_mm),
+    ]
+
+
+def _chessboard(name: str, fields: Sequence[str]) -> Chessboard:
+    size, square, lower_left, marks, mark_share, margin = _so_many(fields, 6)
+    cols, rows = _wholes(size, "X", 2)
+    places = _wholes(marks, ".", 2 * ((marks.count(".") + 1) // 2)) if marks else []
+    return Chessboard.model_validate(
+        {
+            "kind": "chessboard",
+            "name": name,
+            "cols": cols,
+            "rows": rows,
+            "square_mm": _value(square),
+            "lower_left": _word(lower_left, SquareColour),
+            "marks": tuple(zip(places[::2], places[1::2], strict=True)),
+            "mark_share": _value(mark_share),
+            "margin_mm": _value(margin),
+        }
+    )
+
+
 FORMS = {
     form.letter: form
     for form in (
         Form("D", DotGrid, _grid_fields, _grid),
         Form("C", CharucoBoard, _charuco_fields, _charuco),
         Form("K", CodedDots, _coded_fields, _coded),
+        Form("B", Chessboard, _chessboard_fields, _chessboard),
     )
 }
 """The forms by the letter of the kind."""
 
-_W = TypeVar("_W", Layout, Polarity, Pattern)
-_LETTERS: dict[Layout | Polarity | Pattern, str] = {
+_W = TypeVar("_W", Layout, Polarity, Pattern, SquareColour)
+_LETTERS: dict[Layout | Polarity | Pattern | SquareColour, str] = {
     Layout.SYMMETRIC: "S",
     Layout.ASYMMETRIC: "A",
     Polarity.BLACK_ON_WHITE: "B",
     Polarity.WHITE_ON_BLACK: "W",
     Pattern.CURRENT: "C",
     Pattern.LEGACY: "L",
+    SquareColour.BLACK: "B",
+    SquareColour.WHITE: "W",
 }
 
 

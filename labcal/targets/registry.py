@@ -11,6 +11,7 @@ from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.run.registration import require_members, require_own_name
 from labcal.run.user_code import Place, imported, user_code
 from labcal.targets.charuco import CharucoBoard
+from labcal.targets.chessboard import Chessboard
 from labcal.targets.coded_dots import CodedDots
 from labcal.targets.grid import DotGrid
 from labcal.targets.target import PrintableTarget, Target
@@ -64,6 +65,12 @@ _SHIPPED = (
         CodedDots,
         "labcal.detect.marks.coded_sheet:detect_coded_sheet",
         "labcal.targets.coded_dot_outlines:coded_dot_outlines",
+    ),
+    TargetKind(
+        "chessboard",
+        Chessboard,
+        "labcal.detect.chessboard:detect_chessboard",
+        "labcal.targets.chessboard_outlines:chessboard_outlines",
     ),
 )
 _KINDS: dict[str, TargetKind] = {kind.name: kind for kind in _SHIPPED}

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from labcal.bench.boards.chessboards import chessboard_findings
 from labcal.bench.detect.accuracy import accuracy_findings
 from labcal.bench.detect.bias import bias_checks
 from labcal.bench.detect.developed import developed_findings
@@ -25,6 +26,7 @@ GROUPS: Groups = {
     "bias": lambda bench: Findings(bias_checks(bench.seed), []),
     "speed": speed_findings,
     "hostile": hostile_findings,
+    "chessboards": chessboard_findings,
     "coded-dots": coded_dot_findings,
     "tags": tag_findings,
     "marks-in-space": marks_in_space_findings,

@@ -1,10 +1,11 @@
 """Sub-pixel fit of one corner of a chessboard, by Gauss-Newton."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from labcal.detect.corners.corner_model import PARAMETERS, CornerPixels, LinearisedCorner, linearise
+from labcal.detect.corners.corner_kernel import LIGHT_KNOWN, PARAMETERS, FitLimits, settled
+from labcal.detect.corners.corner_model import CornerPixels, LinearisedCorner, linearise
 from labcal.detect.corners.edge_waves import edge_powers
 from labcal.detect.edges.residuals import LAGS, REACH, SUMS
 from labcal.detect.grey import GreyPicture
@@ -27,6 +28,12 @@ class Surroundings:
         White between a corner and the nearest marker, along x and along y, in squares.
     reach : float
         How far the edges are straight enough, px.
+    clear : float
+        Distance from both edges beyond which there may be marks in squares of either colour, in squares.
+    share : float
+        How far from the corner the pixels reach, in squares.
+    bend : ndarray, shape (2,)
+        Curvature of either edge towards its normal, 1/px.
     """
 
     centre: np.ndarray
@@ -34,6 +41,9 @@ class Surroundings:
     white: int
     gap: float
     reach: float
+    clear: float = 1.0
+    share: float = 0.45
+    bend: np.ndarray = field(default_factory=lambda: np.zeros(2))
 
 
 @dataclass(frozen=True)
@@ -57,6 +67,8 @@ class CornerFit:
         with, see :func:`labcal.detect.corners.edge_waves.edge_powers`.
     reach : float
         The greatest distance of a pixel of the fit from the corner, px.
+    state : ndarray, shape (PARAMETERS,)
+        The parameters of the fit; the corner's place is relative to where it began.
     """
 
     centre: np.ndarray
@@ -66,6 +78,7 @@ class CornerFit:
     sums: np.ndarray
     powers: np.ndarray
     reach: float
+    state: np.ndarray
 
 
 def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings) -> CornerFit | None:
@@ -93,7 +106,7 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
     """
     square = float(np.sqrt(abs(np.linalg.det(around.axes))))
     narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
-    window = _window(grey, around, settings.marker_guard_blurs * settings.first_blur_px / narrow, settings)
+    window = _window(grey, around, settings.marker_guard_blurs * settings.first_blur_px / narrow)
     first = settle(
         _begin(window, around, settings.first_blur_px), window, settings.first_tolerance_px, settings
     )
@@ -101,7 +114,7 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
         return None
     # What is left out around markers follows the blur, now that it is known.
     blur = float(first[4:6].max())
-    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow, settings)
+    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow)
     state = settle(first, window, settings.tolerance_px, settings)
     if state is None or state[7] <= 0 or state[4:6].max() > settings.max_blur_squares * narrow:
         return None
@@ -113,13 +126,102 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
     return judge(state, window, around.centre, settings)
 
 
+@dataclass(frozen=True)
+class WideFit:
+    """A fit to the pixels along all of a corner's edges, without its uncertainty.
+
+    Attributes
+    ----------
+    state : ndarray, shape (PARAMETERS,)
+    window : CornerPixels
+    start : ndarray, shape (2,)
+        Where the fit began, px, to which the state's place is relative.
+    """
+
+    state: np.ndarray
+    window: CornerPixels
+    start: np.ndarray
+
+    @property
+    def centre(self) -> np.ndarray:
+        """The crossing of the edges, px."""
+        return np.asarray(self.start + self.state[:2])
+
+    @property
+    def roughness(self) -> float:
+        """Root mean square residual over the step from black to white."""
+        residual = linearise(self.state, self.window).residual
+        return float(np.sqrt((residual**2).mean())) / (2.0 * float(self.state[7]))
+
+
+def widen(
+    grey: GreyPicture, around: Surroundings, first: np.ndarray, settings: CornerSettings
+) -> WideFit | None:
+    """Fit the same to other pixels, those along the edges, from the state of a first fit on.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+        The picture.
+    around : Surroundings
+        With the corner of the first fit as its centre.
+    first : ndarray, shape (PARAMETERS,)
+        The first fit's state.
+    settings : CornerSettings
+
+    Returns
+    -------
+    WideFit or None
+        None where the fit leaves the first one by more than either may be off.
+    """
+    begin = np.concatenate([np.zeros(2), first[2:]])
+    blur = float(begin[4:6].max())
+    narrow = float(np.linalg.svd(around.axes, compute_uv=False)[-1])
+    window = _window(grey, around, settings.marker_guard_blurs * blur / narrow)
+    window = window.along_edges(begin, settings.edge_blurs)
+    state = settle(begin, window, settings.first_tolerance_px, settings)
+    if state is None or state[7] <= 0 or state[4:6].max() > settings.max_blur_squares * narrow:
+        return None
+    if float(np.hypot(state[0], state[1])) > settings.max_refit_blurs * blur:
+        return None
+    return WideFit(state, window, around.centre)
+
+
+def with_known_light(
+    wide: WideFit, slope: np.ndarray, bend: np.ndarray, settings: CornerSettings
+) -> CornerFit | None:
+    """Return a wide fit with the slope of the light and the bend of its edges as they are known.
+
+    Parameters
+    ----------
+    wide : WideFit
+    slope : ndarray, shape (2,)
+        At the corner.
+    bend : ndarray, shape (2,)
+    settings : CornerSettings
+
+    Returns
+    -------
+    CornerFit or None
+        None where it does not converge.
+    """
+    begin = wide.state.copy()
+    # The model's light is 1 where the fit began: the slope at the corner is over the level there.
+    begin[8:] = slope / (1.0 - slope @ begin[:2])
+    window = replace(wide.window, bend=bend)
+    state = settle(begin, window, settings.tolerance_px, settings, LIGHT_KNOWN)
+    if state is None or state[7] <= 0:
+        return None
+    return judge(state, window, wide.start, settings, LIGHT_KNOWN)
+
+
 def is_cut(place: np.ndarray, grey: GreyPicture, margin: float) -> bool:
     """Tell whether the frame is nearer to a corner than a margin (px), or leaves nothing of it."""
     last = np.array(grey.shape[::-1]) - 1
     return bool((place < margin).any() or (place > last - margin).any())
 
 
-def _window(grey: GreyPicture, around: Surroundings, guard: float, settings: CornerSettings) -> CornerPixels:
+def _window(grey: GreyPicture, around: Surroundings, guard: float) -> CornerPixels:
     """Select the pixels around a corner that belong to its own edges; `guard` is in squares."""
     height, width = grey.shape
     low = np.maximum(np.ceil(around.centre - around.reach), 0).astype(int)
@@ -131,11 +233,12 @@ def _window(grey: GreyPicture, around: Surroundings, guard: float, settings: Cor
     along, up = np.linalg.solve(around.axes, offset)
     nearest, farthest = np.minimum(np.abs(along), np.abs(up)), np.maximum(np.abs(along), np.abs(up))
     marked = (along * up * around.white > 0) & (nearest > around.gap - guard)
-    mask = (farthest < settings.max_reach_squares) & (np.hypot(*offset) < around.reach) & ~marked
+    marked |= nearest > around.clear - guard
+    mask = (farthest < around.share) & (np.hypot(*offset) < around.reach) & ~marked
     value = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64).ravel()[mask]
     # Heights of the parallelogram that a square is in the picture.
     heights = abs(np.linalg.det(around.axes)) / np.linalg.norm(around.axes, axis=0)[::-1]
-    return CornerPixels(mask.reshape(x.shape), offset[:, mask], value, around.gap * heights)
+    return CornerPixels(mask.reshape(x.shape), offset[:, mask], value, around.gap * heights, bend=around.bend)
 
 
 def _begin(window: CornerPixels, around: Surroundings, blur: float) -> np.ndarray:
@@ -152,29 +255,17 @@ def _begin(window: CornerPixels, around: Surroundings, blur: float) -> np.ndarra
 
 
 def settle(
-    state: np.ndarray, window: CornerPixels, tolerance: float, settings: CornerSettings
+    state: np.ndarray,
+    window: CornerPixels,
+    tolerance: float,
+    settings: CornerSettings,
+    free: int = PARAMETERS,
 ) -> np.ndarray | None:
     """Iterate to the least squares (Gauss-Newton with shortened steps); None where it runs away."""
     if len(window.value) < settings.min_pixels:
         return None
-    for _ in range(settings.max_iterations):
-        linear = linearise(state, window)
-        normal = linear.jacobian @ linear.jacobian.T
-        ridge = 1e-9 * np.diag(np.diag(normal))
-        try:
-            change = np.linalg.solve(normal + ridge, linear.jacobian @ linear.residual)
-        except np.linalg.LinAlgError:
-            return None
-        if not np.isfinite(change).all():
-            return None
-        far, turn = np.hypot(change[0], change[1]), np.abs(change[2:4]).max()
-        far = max(far / settings.max_step_px, turn / settings.max_turn_rad, 1.0)
-        blurs = np.clip(state[4:6] + change[4:6] / far, state[4:6] / 2, state[4:6] * 2)
-        state = state + change / far
-        state[4:6] = np.maximum(blurs, settings.min_blur_px)
-        if np.abs(change[:2]).max() < tolerance:
-            return state
-    return None
+    found = state.astype(np.float64)
+    return found if settled(found, window.arrays, (tolerance, free), settings.limits(FitLimits)) else None
 
 
 def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
@@ -186,10 +277,15 @@ def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
 
 
 def judge(
-    state: np.ndarray, window: CornerPixels, centre: np.ndarray, settings: CornerSettings
+    state: np.ndarray,
+    window: CornerPixels,
+    centre: np.ndarray,
+    settings: CornerSettings,
+    free: int = PARAMETERS,
 ) -> CornerFit | None:
-    """Return the fit with its uncertainty."""
+    """Return the fit with its uncertainty; the parameters from number `free` on are taken for known."""
     linear = linearise(state, window)
+    linear = replace(linear, jacobian=linear.jacobian[:free])
     normal = linear.jacobian @ linear.jacobian.T
     # What the residual is on average at a level between black and white is a tone curve and no noise.
     level = np.round(settings.tone_levels * linear.board).astype(int) + 2 * settings.tone_levels
@@ -212,6 +308,7 @@ def judge(
         sums=_sums(linear, window, settings.flat_blurs),
         powers=edge_powers(linear, offset, gain, variance),
         reach=float(np.hypot(offset[0], offset[1]).max()),
+        state=state,
     )
 
 

@@ -7,6 +7,7 @@ from jaxtyping import Float64, Int
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
+from labcal.detect.corners.wider_fits import wider_fits
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.prediction import Prediction, Predictor
@@ -14,7 +15,7 @@ from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.geometry.projective_map import projective_map
-from labcal.targets.charuco import CharucoBoard
+from labcal.targets.square_board import SquareBoard
 
 _FEWEST = 4  # corners, not on a line: what a homography takes
 
@@ -82,7 +83,7 @@ class _Standard:
 
 
 def measured_corners(
-    grey: GreyPicture, board: CharucoBoard, rough: Corners, settings: DetectSettings
+    grey: GreyPicture, board: SquareBoard, rough: Corners, settings: DetectSettings
 ) -> Corners:
     """Fit the corners that are known roughly, and those of the board beside them that can be found.
 
@@ -122,6 +123,38 @@ def measured_corners(
     return Corners(np.array(index, dtype=np.int64), np.array(seen_at), fits)
 
 
+def widened_corners(
+    grey: GreyPicture, board: SquareBoard, corners: Corners, settings: CornerSettings
+) -> Corners:
+    """Return corners with their fits over all of their edges, those that are as good as the others.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+        The picture.
+    board : SquareBoard
+    corners : Corners
+        As of :func:`measured_corners`.
+    settings : CornerSettings
+    """
+    nodes = [(int(i), int(j)) for i, j in corners.index]
+    fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
+    if not corners.spans_a_plane() or not fits:
+        return corners
+    search = _Search(grey, board, settings)
+    around = {
+        node: search.surroundings(node, place, axes)
+        for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
+    }
+    wider = wider_fits(grey, fits, around, settings)
+    standard = _Standard.of(list(wider.values()))
+    found = [standard.met_by(wider.get(node), settings) for node in nodes]
+    seen_at = [
+        place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
+    ]
+    return Corners(corners.index, np.array(seen_at), found)
+
+
 def _as_outlines(places: list[np.ndarray]) -> Outlines:
     """Return corners as the spots that a grid is made of."""
     count = len(places)
@@ -129,7 +162,7 @@ def _as_outlines(places: list[np.ndarray]) -> Outlines:
     return Outlines(np.array(places), shape, np.zeros(count), np.zeros(count))
 
 
-def _beside(known: dict[Node, int], board: CharucoBoard) -> list[Node]:
+def _beside(known: dict[Node, int], board: SquareBoard) -> list[Node]:
     """Return the board's nodes that are not known, but next to known ones."""
     near = {(a + i, b + j) for a, b in known for i in (-1, 0, 1) for j in (-1, 0, 1)} - known.keys()
     return sorted(node for node in near if 0 <= node[0] < board.cols and 0 <= node[1] < board.rows)
@@ -140,7 +173,7 @@ class _Search:
     """The picture of a board in which corners are looked for."""
 
     grey: GreyPicture
-    board: CharucoBoard
+    board: SquareBoard
     settings: CornerSettings
 
     def fit_at(self, node: Node, prediction: Prediction) -> CornerFit | None:
@@ -161,8 +194,10 @@ class _Search:
             centre=place,
             axes=axes,
             white=-1 if board.is_black(*upper_right)[0] else 1,
-            gap=0.5 * (1.0 - board.marker_mm / board.square_mm),
+            gap=board.corner_gap,
+            clear=board.clear_reach(*node),
             reach=max(self.settings.min_reach_px, reach),
+            share=self.settings.max_reach_squares,
         )
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.detect.corners.corner_fit import CornerFit, is_cut, judge, settle
-from labcal.detect.corners.corner_model import CornerPixels, wedge
+from labcal.detect.corners.corner_kernel import WEDGE
+from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
 
@@ -83,7 +84,7 @@ def _window(grey: GreyPicture, corner: TagCorner, guard: float, settings: Corner
     low = np.maximum(np.ceil(corner.centre - reach), 0).astype(int)
     high = np.minimum(np.floor(corner.centre + reach), [width - 1, height - 1]).astype(int)
     if (high < low).any():
-        return CornerPixels(np.zeros((0, 0), dtype=bool), np.zeros((2, 0)), np.zeros(0), np.ones(2), wedge)
+        return CornerPixels(np.zeros((0, 0), dtype=bool), np.zeros((2, 0)), np.zeros(0), np.ones(2), WEDGE)
     y, x = np.mgrid[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64)
     offset = np.stack([x.ravel() - corner.centre[0], y.ravel() - corner.centre[1]])
     along = corner.cells * np.linalg.solve(corner.edges, offset)
@@ -91,7 +92,7 @@ def _window(grey: GreyPicture, corner: TagCorner, guard: float, settings: Corner
     mask = (nearest > -_QUIET_CELLS) & (nearest < 1.0 - guard) & (farthest < _TO_MIDDLE * corner.cells)
     mask &= np.hypot(*offset) < reach
     value = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64).ravel()[mask]
-    return CornerPixels(mask.reshape(x.shape), offset[:, mask], value, np.ones(2), wedge)
+    return CornerPixels(mask.reshape(x.shape), offset[:, mask], value, np.ones(2), WEDGE)
 
 
 def _begin(grey: GreyPicture, corner: TagCorner, settings: CornerSettings) -> np.ndarray | None:

@@ -88,6 +88,37 @@ class CornerSettings(StageSettings):
         lt=0.5,
         description="Most reach, before the next corner. Larger: more pixels, more of the next edges.",
     )
+    max_reach_px: float = Field(
+        60.0,
+        ge=5,
+        le=1000,
+        description="Most reach once the bend of the edges is known. Larger: slower, more exact.",
+    )
+    wide_reach_squares: float = Field(
+        0.5,
+        gt=0,
+        le=0.6,
+        description="Reach of the wider fit, to the next corner's. Larger: more of the next edges.",
+    )
+    edge_blurs: float = Field(
+        6.0,
+        ge=4,
+        le=100,
+        description="Distance from the edges of the wider fit's pixels, at most. Larger: slower.",
+    )
+    clear_roughness_factor: float = Field(
+        1.4,
+        ge=1.1,
+        le=100,
+        description="Roughness, in that of the corners around, above which a corner is bad-fit. Larger: "
+        "fewer are.",
+    )
+    max_refit_blurs: float = Field(
+        0.5,
+        gt=0,
+        le=5,
+        description="Most distance of the wider fit from the first one. Larger: more beside obstacles pass.",
+    )
     marker_guard_blurs: float = Field(
         1.0,
         ge=0,

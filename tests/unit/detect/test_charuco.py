@@ -3,11 +3,13 @@
 import cv2
 import numpy as np
 import pytest
+from scipy.special import owens_t
 from scipy.stats import chi2
 
 from labcal.bench.detect.developed import PictureKind, SensorNoise, taken_picture
 from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
-from labcal.detect.corners.corner_model import CornerPixels, _blurred_board, linearise
+from labcal.detect.corners.corner_kernel import CHESSBOARD, pattern_values
+from labcal.detect.corners.corner_model import CornerPixels, linearise
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
@@ -22,6 +24,7 @@ SIZE = (400, 300)
 K = np.array([[420.0, 0, 199.5], [0, 424.0, 149.5], [0, 0, 1]])
 DIST = np.array([-0.2, 0.05, 0, 0, 0])
 FINE, PER_MM, MARGIN = 4, 20, 200
+FAR = np.array([99.0, 99.0])  # there are no markers
 
 
 def pose(about_x: float, about_y: float, about_z: float, distance: float = 210.0) -> np.ndarray:
@@ -201,7 +204,17 @@ def test_the_blurred_board_is_that_of_the_bivariate_normal_distribution() -> Non
     for correlation in (-0.6, 0.0, 0.4):
         z = rng.multivariate_normal([0, 0], [[1, correlation], [correlation, 1]], 200_000).T
         signs = np.sign(u[:, :, None] + z[:, None, :]).prod(axis=0)
-        assert _blurred_board(u, correlation).value == pytest.approx(signs.mean(axis=1), abs=0.01)
+        assert pattern_values(u, correlation, FAR, CHESSBOARD) == pytest.approx(signs.mean(axis=1), abs=0.01)
+
+
+@pytest.mark.parametrize("correlation", [-0.97, -0.5, 0.0, 0.8, 0.98])
+def test_the_blurred_board_is_what_owens_t_gives(correlation: float) -> None:
+    u = np.random.default_rng(4).uniform(-6, 6, (2, 400))
+    a, b = u
+    other = np.sqrt(1 - correlation**2)
+    beside = (b - correlation * a) / other / a, (a - correlation * b) / other / b
+    expected = 1 - 4 * owens_t(a, beside[0]) - 4 * owens_t(b, beside[1]) - 2 * (a * b < 0)
+    np.testing.assert_allclose(pattern_values(u, correlation, FAR, CHESSBOARD), expected, atol=1e-6)
 
 
 def test_derivatives_agree_with_differences() -> None:
@@ -222,7 +235,7 @@ def test_a_corner_of_the_wrong_colours_is_none() -> None:
     def fitted(white: int) -> CornerFit | None:
         y, x = np.mgrid[:31, :31] - 15.0
         u = np.stack([(x - 0.3).ravel(), -(y + 0.2).ravel()])
-        grey = (100 + 60 * _blurred_board(u / 0.8, 0.0).value).reshape(31, 31).astype(np.float32)
+        grey = (100 + 60 * pattern_values(u / 0.8, 0.0, FAR, CHESSBOARD)).reshape(31, 31).astype(np.float32)
         axes = np.array([[30.0, 0.0], [0.0, -30.0]])
         return fit_corner(grey, Surroundings(np.array([15.0, 15.0]), axes, white, 0.4, 9.0), CornerSettings())
 

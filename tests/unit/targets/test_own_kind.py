@@ -33,7 +33,7 @@ from labcal.targets.places import DotPlaces
 from labcal.targets.registry import TargetKind, register_target
 
 See = Callable[..., Detections]
-DESCRIPTION = "kind: chessboard\nname: chess-7x5\ncols: 7\nrows: 5\nsquare_mm: 12.0\n"
+DESCRIPTION = "kind: own-chessboard\nname: chess-7x5\ncols: 7\nrows: 5\nsquare_mm: 12.0\n"
 
 
 class Chessboard(BaseModel):
@@ -41,7 +41,7 @@ class Chessboard(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    kind: Literal["chessboard"]
+    kind: Literal["own-chessboard"]
     name: str
     description: str = ""
     cols: int
@@ -115,7 +115,7 @@ def detect(grey: np.ndarray, board: Chessboard, _settings: DetectSettings) -> Pi
     )  # fmt: skip
 
 
-CHESSBOARD = TargetKind("chessboard", Chessboard, detect, outlines)
+CHESSBOARD = TargetKind("own-chessboard", Chessboard, detect, outlines)
 
 
 @pytest.fixture
@@ -127,7 +127,7 @@ def board(tmp_path: Path) -> Iterator[Chessboard]:
     try:
         yield load_target(str(path))
     finally:
-        del registry._KINDS["chessboard"]
+        del registry._KINDS["own-chessboard"]
 
 
 def picture(board: Chessboard, tmp_path: Path) -> tuple[np.ndarray, np.ndarray]:
@@ -200,7 +200,7 @@ def test_the_commands_carry_it_from_the_print_to_the_camera(
         return document
 
     description, paper = tmp_path / "chess.yaml", tmp_path / "chess.png"
-    assert "chessboard" in told("target", "list")["kinds"]
+    assert "own-chessboard" in told("target", "list")["kinds"]
     size = told("target", "export", description, "-o", paper, "--dpi", 200)
     print_ = cv2.imread(str(paper), cv2.IMREAD_GRAYSCALE)
     assert print_ is not None
@@ -229,7 +229,7 @@ def test_shoots_and_places_hold_it(board: Chessboard) -> None:
         {"target": board, "cameras": {"left": {"size": [640, 480]}}, "views": []}
     )
     text = manifest.model_dump_json()
-    assert '"kind":"chessboard"' in text
+    assert '"kind":"own-chessboard"' in text
     assert Manifest.model_validate_json(text) == manifest
     freed = np.zeros(board.count, dtype=bool)
     places = DotPlaces.of(board, board.points(), np.zeros((board.count, 3, 3)), freed.astype(int), freed)
@@ -242,11 +242,11 @@ def test_what_its_file_says_wrongly_is_told(board: Chessboard, tmp_path: Path) -
     with pytest.raises(InputError, match=r"sqare_mm: this key is not known; the nearest one is 'square_mm'"):
         load_target(str(path))
     path.write_text(DESCRIPTION.replace("chessboard", "chesboard"))
-    with pytest.raises(UnknownNameError, match=r"named 'chesboard'. Did you mean 'chessboard'"):
+    with pytest.raises(UnknownNameError, match=r"named 'own-chesboard'. Did you mean 'own-chessboard'"):
         load_target(str(path))
-    path.write_text(DESCRIPTION.replace("kind: chessboard", "kind: dots"))
+    path.write_text(DESCRIPTION.replace("kind: own-chessboard", "kind: dots"))
     with pytest.raises(
-        InputError, match=r"'dots' should be one of charuco, coded-dots, chessboard, or left out"
+        InputError, match=r"'dots' should be one of charuco, coded-dots, chessboard, own-chessboard, or left out"
     ):
         load_target(str(path))
 
@@ -266,6 +266,6 @@ def test_what_is_no_kind_is_refused() -> None:
         register_target(TargetKind("a b", Nameless, detect, outlines))
     with pytest.raises(InputError, match="names no function"):
         registry.run_part(replace(CHESSBOARD, detector="nowhere"), "detector")
-    stray = Chessboard(kind="chessboard", name="a", cols=4, rows=3, square_mm=5.0)
+    stray = Chessboard(kind="own-chessboard", name="a", cols=4, rows=3, square_mm=5.0)
     with pytest.raises(InputTypeError, match="Register its kind"):
         detect_dots(np.zeros((50, 50)), stray)

@@ -8,7 +8,8 @@ import pytest
 
 from labcal.bench.groups import Bench
 from labcal.bench.marks.tags import DICTIONARY, tag_findings, tag_picture
-from labcal.detect.corners.corner_model import CornerPixels, linearise, wedge
+from labcal.detect.corners.corner_kernel import WEDGE, pattern_values
+from labcal.detect.corners.corner_model import CornerPixels, linearise
 from labcal.detect.marks.picture_marks import MarkFlag
 from labcal.detect.marks.tags import find_tags, tag_name
 from labcal.run.progress import Progress
@@ -73,7 +74,7 @@ def test_the_wedge_is_a_blurred_quadrant_with_the_derivatives_of_its_formula() -
     offset = np.stack([x.ravel(), y.ravel()])
     mask = np.ones(x.shape, bool)
     state = np.array([0.3, -0.2, 0.2, 1.5, 0.9, 1.1, 100.0, 60.0, 0.01, -0.005])
-    window = CornerPixels(mask, offset, np.zeros(offset.shape[1]), np.ones(2), wedge)
+    window = CornerPixels(mask, offset, np.zeros(offset.shape[1]), np.ones(2), WEDGE)
     at = linearise(state, window)
     for k in range(len(state)):
         step = np.zeros(len(state))
@@ -82,4 +83,4 @@ def test_the_wedge_is_a_blurred_quadrant_with_the_derivatives_of_its_formula() -
         np.testing.assert_allclose(at.jacobian[k], (down - up) / 2e-6, atol=2e-5)
     # Square, the edges' blurs are independent: deep inside -1, far outside 1, and a half of it on an edge.
     u = np.array([[5.0, -5.0, 0.0, 0.0], [5.0, 5.0, 5.0, 0.0]])
-    np.testing.assert_allclose(wedge(u, 0.0, np.ones((2, 1))).value, [-1.0, 1.0, 0.0, 0.5], atol=1e-5)
+    np.testing.assert_allclose(pattern_values(u, 0.0, np.ones(2), WEDGE), [-1.0, 1.0, 0.0, 0.5], atol=1e-5)

@@ -1,0 +1,119 @@
+"""From a picture of a plain chessboard to its corners: saddle points, lattice, ids, and fits."""
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from labcal.detect.corners.board_lattice import find_board_lattices
+from labcal.detect.corners.board_numbering import SeenBoard, number_board
+from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
+from labcal.detect.corners.picture_corners import picture_corners
+from labcal.detect.corners.saddles import find_saddles
+from labcal.detect.dots import PictureDots
+from labcal.detect.flags import Refusal
+from labcal.detect.grey import GreyPicture
+from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.rough_undistortion import NONE
+from labcal.detect.lattice.smoothness import is_smooth
+from labcal.detect.settings import DetectSettings
+from labcal.targets.chessboard import Chessboard
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A board in a picture: rough corners with their ids, or a refusal; and how many were seen."""
+
+    corners: Corners
+    refusal: Refusal | None
+    seen: int
+
+
+def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSettings) -> PictureDots:
+    """Find the board's corners in one picture.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+        The picture.
+    board : Chessboard
+        The board to look for.
+    settings : DetectSettings
+
+    Returns
+    -------
+    PictureDots
+        Without outlines; a corner that is seen and cannot be measured is flagged ``bad-fit``, or ``cut`` at
+        the frame. Refused where there is no lattice of corners of alternating colours, where it cannot be
+        numbered (:func:`labcal.detect.corners.board_numbering.number_board`), and where it lies on no smooth
+        surface. A board that looks the same after a turn has the other numberings in `others`.
+    """
+    found = _found(grey, board, settings)
+    if found.refusal is not None:
+        return picture_corners(Corners.none(), grey, found.refusal, settings)
+    corners = measured_corners(grey, board, found.corners, settings)
+    corners = widened_corners(grey, board, corners, settings.corner)
+    ok = np.flatnonzero([fit is not None for fit in corners.fits])
+    if not corners.select(ok).spans_a_plane():
+        return picture_corners(corners, grey, Refusal.TOO_FEW_DOTS, settings)
+    if not board.marks and not _shows_its_rim(corners.index[ok], board, settings.saddle.min_line_share):
+        return picture_corners(corners, grey, Refusal.BOARD_IN_PART, settings)
+    lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
+    if not is_smooth(lattice, corners.seen_at, settings.grid):
+        return picture_corners(corners, grey, Refusal.GRID_INCONSISTENT, settings)
+    dots = picture_corners(corners, grey, None, settings)
+    return replace(dots, others=board.symmetric_indices(dots.index))
+
+
+def _shows_its_rim(index: np.ndarray, board: Chessboard, share: float) -> bool:
+    """Tell whether most corners of each outermost line are measured: what numbers a board without marks."""
+    ends = [(index[:, 0] == 0, board.rows), (index[:, 0] == board.cols - 1, board.rows)]
+    ends += [(index[:, 1] == 0, board.cols), (index[:, 1] == board.rows - 1, board.cols)]
+    return all(int(on.sum()) >= share * count for on, count in ends)
+
+
+def _found(grey: GreyPicture, board: Chessboard, settings: DetectSettings) -> _Found:
+    """Return the board from the coarsest level of the picture on at which it can be numbered."""
+    best = _Found(Corners.none(), Refusal.NO_CHESSBOARD, 0)
+    if min(grey.shape) < settings.corner.min_picture_px or not grey.max() > grey.min():
+        return best
+    side = max(grey.shape)
+    factor = 1
+    while side / factor > settings.saddle.first_side_px:
+        factor *= 2
+    while factor >= 1:
+        found = _found_at(grey, factor, board, settings)
+        if found.refusal is None:
+            return found
+        best = found if found.seen > best.seen else best
+        factor //= 2
+    return best
+
+
+def _found_at(grey: GreyPicture, factor: int, board: Chessboard, settings: DetectSettings) -> _Found:
+    """Return the board as it is seen in a picture that is reduced by a whole number."""
+    height, width = (length // factor for length in grey.shape)
+    level = grey
+    if factor > 1:
+        whole = grey[: height * factor, : width * factor]
+        level = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
+    saddles = find_saddles(level, settings.saddle)
+    lattices = find_board_lattices(saddles, max(board.cols, board.rows), NONE, settings)
+    outcomes = [number_board(SeenBoard(one, saddles, level), board, settings) for one in lattices]
+    numbered = [
+        (lattice, outcome)
+        for lattice, outcome in zip(lattices, outcomes, strict=True)
+        if not isinstance(outcome, Refusal)
+    ]
+    seen = len(lattices[0]) if lattices else 0
+    if len(numbered) != 1:
+        first = outcomes[0] if outcomes else Refusal.NO_CHESSBOARD
+        return _Found(Corners.none(), first if isinstance(first, Refusal) else Refusal.AMBIGUOUS, seen)
+    lattice, numbering = numbered[0]
+    if not is_smooth(lattice, saddles.place, settings.grid):
+        return _Found(Corners.none(), Refusal.GRID_INCONSISTENT, seen)
+    index = np.array([numbering.index(node) for node in lattice.spots], dtype=np.int64)
+    own = ((index >= 0) & (index < [board.cols, board.rows])).all(axis=1)
+    # The middle of the first reduced pixel is that of the pixels which it is the mean of.
+    place = factor * saddles.place[list(lattice.spots.values())] + 0.5 * (factor - 1)
+    return _Found(Corners(index[own], place[own], [None] * int(own.sum())), None, seen)

@@ -1,0 +1,59 @@
+"""Marks of a chessboard: round dots of the opposite colour in the middle of a lattice's cells."""
+
+import numpy as np
+from scipy.ndimage import map_coordinates
+
+from labcal.detect.corners.saddles import Saddles
+from labcal.detect.grey import GreyPicture
+from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.stage_settings.saddle import SaddleSettings
+
+_CORNERS: tuple[Node, ...] = ((0, 0), (1, 0), (1, 1), (0, 1))
+_OUTER = 0.55
+"""Of the way from the middle of a cell to its corners: as far from the mark as from the next squares."""
+
+
+def read_marks(
+    lattice: Lattice, saddles: Saddles, grey: GreyPicture, settings: SaddleSettings
+) -> dict[Node, bool]:
+    """Return which cells of a lattice, by their first corner, have a mark; cells in doubt are left out.
+
+    Parameters
+    ----------
+    lattice : Lattice
+    saddles : Saddles
+    grey : ndarray, shape (h, w)
+        The picture, as it was not blurred: marks are small.
+    settings : SaddleSettings
+    """
+    spots = lattice.spots
+    cells = [(a, b) for a, b in spots if all((a + i, b + j) in spots for i, j in _CORNERS)]
+    if not cells:
+        return {}
+    corner = np.array([[spots[a + i, b + j] for i, j in _CORNERS] for a, b in cells])
+    q = saddles.place[corner]
+    middle = _crossing(q)
+    outside = middle[:, None] + _OUTER * (q - middle[:, None])
+    inner, outer = _levels(grey, middle[:, None])[:, 0], _levels(grey, outside)
+    step = np.median(saddles.step[corner], axis=1)
+    contrast = np.abs(inner - outer.mean(axis=1)) / step
+    even = np.ptp(outer, axis=1) < settings.mark_contrast * step
+    marked = (contrast > settings.mark_contrast) & even
+    plain = (contrast < settings.plain_contrast) & even
+    return {cell: bool(marked[k]) for k, cell in enumerate(cells) if marked[k] or plain[k]}
+
+
+def _crossing(q: np.ndarray) -> np.ndarray:
+    """Return where the diagonals of cells (n, 4, 2) cross: the middle of the square, in perspective."""
+    first, second = q[:, 2] - q[:, 0], q[:, 3] - q[:, 1]
+    between = q[:, 1] - q[:, 0]
+    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    share = (between[:, 0] * second[:, 1] - between[:, 1] * second[:, 0]) / np.where(
+        cross == 0.0, np.inf, cross
+    )
+    return np.asarray(q[:, 0] + share[:, None] * first)
+
+
+def _levels(picture: GreyPicture, q: np.ndarray) -> np.ndarray:
+    """Return the interpolated levels at places (..., 2), px."""
+    return np.asarray(map_coordinates(picture, [q[..., 1], q[..., 0]], order=1, mode="nearest"))

@@ -1,0 +1,72 @@
+"""Corners of a board as the detection of a picture: places, covariances and flags."""
+
+import numpy as np
+
+from labcal.detect.corners.corner_fit import CornerFit, is_cut
+from labcal.detect.corners.corners import Corners
+from labcal.detect.corners.edge_waves import wavelengths
+from labcal.detect.dots import PictureDots
+from labcal.detect.edges.noise import noise_factor
+from labcal.detect.edges.outline_noise import beside_flat_parts, smooth_wave_ratio
+from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.grey import GreyPicture
+from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.edge import EdgeSettings
+from labcal.targets.grid import Polarity
+
+_SHADINGS = 1.3  # of a fit's four for the light, spent on the flat parts: a third of its pixels
+
+
+def picture_corners(
+    corners: Corners, grey: GreyPicture, refusal: Refusal | None, settings: DetectSettings
+) -> PictureDots:
+    """Return the corners of a picture, row by row, with their covariances and flags.
+
+    A corner that is not measured is flagged ``bad-fit``, or ``cut`` at the frame.
+
+    Parameters
+    ----------
+    corners : Corners
+    grey : ndarray, shape (h, w)
+        The picture.
+    refusal : Refusal or None
+    settings : DetectSettings
+    """
+    corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
+    n = len(corners.fits)
+    factor = _factor([fit for fit in corners.fits if fit is not None], settings.edge)
+    missing = np.full((2, 2), np.nan)
+    covariance = [missing if fit is None else factor * fit.covariance for fit in corners.fits]
+    dots = PictureDots(
+        size=(grey.shape[1], grey.shape[0]),
+        polarity=Polarity.BLACK_ON_WHITE,
+        refusal=None,
+        index=corners.index,
+        has_id=np.ones(n, dtype=bool),
+        position=np.array(
+            [missing[0] if fit is None else fit.centre for fit in corners.fits], dtype=np.float64
+        ).reshape(-1, 2),
+        covariance=np.array(covariance, dtype=np.float64).reshape(-1, 2, 2),
+        misfit=np.full(n, np.nan),
+        flag=tuple(
+            DotFlag.OK
+            if fit is not None
+            else DotFlag.CUT
+            if is_cut(place, grey, settings.corner.frame_margin_px)
+            else DotFlag.BAD_FIT
+            for fit, place in zip(corners.fits, corners.seen_at, strict=True)
+        ),
+        seen_at=corners.seen_at,
+        outline=np.full((n, 2, 2), np.nan),
+    )
+    return dots if refusal is None else dots.refused(refusal)
+
+
+def _factor(fits: list[CornerFit], settings: EdgeSettings) -> float:
+    """Return the variance of a picture's corners over what the residuals of their fits say."""
+    if not fits:
+        return 1.0
+    flat = noise_factor(np.array([fit.sums for fit in fits]), settings, _SHADINGS)
+    waves = wavelengths(float(np.median([fit.reach for fit in fits])))
+    ratio, error = smooth_wave_ratio(np.array([fit.powers for fit in fits]), waves, settings)
+    return beside_flat_parts(ratio, error, flat, settings)

@@ -1,0 +1,108 @@
+"""Corners of plain chessboards in drawn pictures: ids, places, covariances, marks, refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from labcal.bench.boards.chessboard_picture import MARKED, PLAIN, _ink
+from labcal.bench.marks.drawn_picture import Exposure, drawn, tilted
+from labcal.detect.detector import detect_dots
+from labcal.detect.dots import PictureDots
+from labcal.detect.flags import Refusal
+from labcal.targets.chessboard import Chessboard, SquareColour
+
+SIZE = (320, 240)
+
+
+def exposure(board: Chessboard, *, tilt: float = 0.4, roll: float = 0.3, square: float = 18.0) -> Exposure:
+    """Return a camera above the middle of a board, with uneven light."""
+    H = tilted(tilt, 0.7, roll, 400.0 / square, 400.0)
+    x, y = board.points()[:, :2].mean(axis=0)
+    H = H @ np.array([[1.0, 0.0, -x], [0.0, 1.0, -y], [0.0, 0.0, 1.0]])
+    H = np.array([[1.0, 0.0, 159.3], [0.0, 1.0, 119.8], [0.0, 0.0, 1.0]]) @ H
+    return Exposure(SIZE, H, 0.8, np.array([0.002, 0.001]), 0.01)
+
+
+def picture(board: Chessboard, how: Exposure, seed: int = 0) -> np.ndarray:
+    return drawn(how, _ink(board), (), np.random.default_rng(seed))
+
+
+def errors(dots: PictureDots, board: Chessboard, how: Exposure) -> np.ndarray:
+    """Return measured minus true places of the ok corners, px."""
+    return dots.position[dots.ok] - how.seen(board.points(dots.index[dots.ok])[:, :2])
+
+
+@pytest.mark.parametrize("roll", [0.3, 1.8, -2.6])
+def test_a_board_with_black_squares_at_one_end_is_numbered_however_it_is_turned(roll: float) -> None:
+    how = exposure(PLAIN, roll=roll)
+    dots = detect_dots(picture(PLAIN, how), PLAIN)
+    assert dots.refusal is None
+    assert np.array_equal(dots.index, PLAIN.indices())
+    assert dots.others == ()
+    assert np.abs(errors(dots, PLAIN, how)).max() < 0.1
+
+
+def test_normalised_errors_pass_a_chi_square_test() -> None:
+    squares, count = 0.0, 0
+    for seed, tilt in enumerate((0.1, 0.5, 0.9)):
+        how = exposure(PLAIN, tilt=tilt)
+        dots = detect_dots(picture(PLAIN, how, seed), PLAIN)
+        off = errors(dots, PLAIN, how)
+        squares += float(np.einsum("ni,nij,nj->", off, np.linalg.inv(dots.covariance[dots.ok]), off))
+        count += 2 * len(off)
+    assert count == 6 * PLAIN.count
+    assert 0.005 < chi2.sf(squares, count) < 0.995
+
+
+def test_the_other_colours_turn_the_numbers_by_half_a_turn() -> None:
+    how = exposure(PLAIN)
+    seen = picture(PLAIN, how)
+    other = PLAIN.model_copy(update={"lower_left": SquareColour.WHITE})
+    dots, turned = detect_dots(seen, PLAIN), detect_dots(seen, other)
+    np.testing.assert_allclose(turned.position, dots.position[::-1], atol=1e-3)
+
+
+def test_a_board_that_looks_the_same_after_a_turn_has_its_other_numberings() -> None:
+    even = PLAIN.model_copy(update={"cols": 8})
+    dots = detect_dots(picture(even, exposure(even)), even)
+    assert len(dots.others) == 1
+    assert np.array_equal(dots.others[0], dots.index[::-1])
+    square = PLAIN.model_copy(update={"cols": 6})
+    assert len(detect_dots(picture(square, exposure(square)), square).others) == 3
+    odd = PLAIN.model_copy(update={"cols": 5, "rows": 5})  # a quarter turn changes its colours
+    assert len(detect_dots(picture(odd, exposure(odd)), odd).others) == 1
+
+
+def test_a_part_of_a_plain_board_is_refused_by_name() -> None:
+    how = exposure(PLAIN)
+    seen = picture(PLAIN, replace(how, H=np.array([[1.0, 0, 95], [0, 1, 0], [0, 0, 1]]) @ how.H))
+    dots = detect_dots(seen, PLAIN)
+    assert dots.refusal is Refusal.BOARD_IN_PART
+    assert not dots.has_id.any()
+
+
+def test_a_part_of_a_marked_board_is_numbered() -> None:
+    how = exposure(MARKED, square=20.0)
+    how = replace(how, H=np.array([[1.0, 0, 60], [0, 1, 40], [0, 0, 1]]) @ how.H)
+    dots = detect_dots(picture(MARKED, how), MARKED)
+    assert dots.refusal is None
+    assert 40 < int(dots.ok.sum()) < MARKED.count
+    assert np.abs(errors(dots, MARKED, how)).max() < 0.1
+
+
+def test_a_board_with_more_corners_is_another_one() -> None:
+    smaller = PLAIN.model_copy(update={"cols": 7})
+    dots = detect_dots(picture(PLAIN, exposure(PLAIN)), smaller)
+    assert dots.refusal is Refusal.OTHER_CHESSBOARD
+
+
+@pytest.mark.parametrize("nothing", [np.full((60, 80), 7, np.uint8), np.zeros((4, 4), np.uint8)])
+def test_a_picture_of_nothing_holds_no_board(nothing: np.ndarray) -> None:
+    assert detect_dots(nothing, PLAIN).refusal is Refusal.NO_CHESSBOARD
+
+
+def test_noise_holds_no_board() -> None:
+    noise = np.random.default_rng(1).integers(0, 255, SIZE[::-1]).astype(np.uint8)
+    assert not detect_dots(noise, PLAIN).indexed
