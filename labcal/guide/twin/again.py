@@ -1,6 +1,6 @@
 """A photograph rendered again, with its own light, blur and noise."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from labcal.cameras.dot_image import dot_images
 from labcal.correspond.sources import Source
 from labcal.errors import InputError
 from labcal.guide.twin.dot_windows import BlurredShare, DotWindows, Windows, blurred, dot_windows
+from labcal.guide.twin.jpeg_coding import JpegCoding
 from labcal.guide.twin.known_print import KnownPrint
 from labcal.guide.twin.light import PictureLight, fitted_light
 from labcal.guide.twin.noise import PictureNoise, measured_noise
@@ -97,6 +98,11 @@ class RenderedAgain:
         Where they are.
     made : PaperShare
         As it was rendered, sharp.
+    coded : list of float32 array, (h, w)
+        Variance of each channel after compression, in place of that by light and rays; none where there is no
+        compression.
+    before_coding : float
+        Variance of the noise before compression over the one that is left after it.
     """
 
     stored: StoredValues
@@ -109,6 +115,8 @@ class RenderedAgain:
     windows: DotWindows
     around: Windows
     made: PaperShare
+    coded: list[Float32[np.ndarray, "h w"]] = field(default_factory=list)
+    before_coding: float = 1.0
 
     @property
     def main(self) -> int:
@@ -120,7 +128,9 @@ class RenderedAgain:
         return [light.image(self.behind.share) for light in self.light]
 
     def variances(self) -> list[Float32[np.ndarray, "h w"]]:
-        """Return the variance of the noise of each channel of the photograph, by light and by rays."""
+        """Return the variance of the noise of each channel: by light, rays, and compression."""
+        if self.coded:
+            return self.coded
         by_rays = ray_variance(self.made, self.blur_px)
         found = []
         for light, noise in zip(self.light, self.noise, strict=True):
@@ -144,7 +154,8 @@ class RenderedAgain:
             light = of.image(share)
             least = self.stored.step_variance(light)
             offset = max(noise.offset - float(np.median(least[self.compared])), 0.0)
-            own = PictureNoise(offset, noise.slope, noise.along, noise.down, noise.blocks)
+            more = self.before_coding
+            own = PictureNoise(more * offset, more * noise.slope, noise.along, noise.down, noise.blocks)
             channels.append(own.drawn(light, random))
         return self.stored.picture(channels)
 
@@ -182,7 +193,7 @@ def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
         The photograph cannot be read, or shows too little that can be compared.
     """
     picture = job.source.read()
-    stored = StoredValues.of(picture, job.curve)
+    stored = StoredValues.of(picture, job.curve, _coding(job.source))
     photo = stored.channels(picture)
     main = min(1, len(photo) - 1)
     target = job.known.target
@@ -250,6 +261,11 @@ def _least(
 ) -> Float32[np.ndarray, "h w"]:
     """Return the variance of the noise, which is that of rounding at least: dark ink may all be one value."""
     return np.asarray(np.maximum(noise.variance(light), stored.step_variance(light)))
+
+
+def _coding(source: Source) -> JpegCoding | None:
+    """Return how a picture was compressed; None for bytes of a sensor, whatever their name."""
+    return None if source.raw is not None else JpegCoding.of(Path(source.image))
 
 
 def _nothing(job: TwinJob) -> InputError:

@@ -7,6 +7,7 @@ from jaxtyping import Float64, Int64
 
 from labcal.detect.dots import PictureDots
 from labcal.guide.twin.again import TwinJob, rendered_again, rendered_share
+from labcal.guide.twin.compression import with_compression
 from labcal.guide.twin.dot_windows import DotWindows
 from labcal.guide.twin.noise import PictureNoise
 from labcal.guide.twin.pixel_figures import PixelFigures, difference_picture
@@ -67,7 +68,7 @@ def twin_picture(job: TwinJob) -> TwinPicture:
     """
     from labcal.detect.detector import detect_dots  # noqa: PLC0415 -- imports Numba
 
-    made = rendered_again(job, rendered_share(job))
+    made = with_compression(rendered_again(job, rendered_share(job)), job)
     target = job.known.target
     dots, clean = job.dots, made.clean()
     values = [made.stored.values(light) for light in clean]
