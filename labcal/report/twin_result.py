@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.guide.twin.twin import DeclaredPrint, Twin
-from labcal.guide.twin.unexplained import Unexplained
+from labcal.guide.twin.unexplained_positions import Unexplained
 from labcal.paths import AnyPath
 
 

@@ -120,3 +120,16 @@ def test_a_picture_out_of_focus_is_named(bench: Bench, tmp_path: Path) -> None:
     blur = next(one for one in found.unexplained if one.kind == "blur")
     assert blur.pictures == (f"{view.name}/left",)
     assert blur.size == pytest.approx(np.hypot(0.6, 1.0) - 0.6, rel=0.1)
+
+
+def test_edges_of_jpeg_pictures_are_at_noise_level(bench: Bench, tmp_path: Path) -> None:
+    shutil.copytree(bench.shoot, tmp_path / "shoot")
+    manifest = tmp_path / "shoot" / "shoot.json"
+    for path in sorted((tmp_path / "shoot" / "images").glob("*.png")):
+        picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+        cv2.imwrite(str(path.with_suffix(".jpg")), picture, [cv2.IMWRITE_JPEG_QUALITY, 90])
+        path.unlink()
+    manifest.write_text(manifest.read_text().replace(".png", ".jpg"))
+    found = labcal.twin(tmp_path / "shoot", bench.rig, None, None, pipeline.TwinSettings(spp=64, views=1))
+    assert found.is_explained, found.unexplained
+    assert 0.7 < found.edge_variance < 1.15  # 1.35 where compression is left out

@@ -19,7 +19,9 @@ from labcal.guide.twin.posed import PosedViews, posed_views
 from labcal.guide.twin.residuals import dot_residuals, predicted_residuals
 from labcal.guide.twin.settings import TwinSettings
 from labcal.guide.twin.twin import DeclaredPrint, Twin
-from labcal.guide.twin.unexplained import picture_verdicts, unexplained, unexplained_positions
+from labcal.guide.twin.unexplained import unexplained
+from labcal.guide.twin.unexplained_positions import unexplained_positions
+from labcal.guide.twin.verdicts import picture_verdicts
 from labcal.run.executor import finished, open_executor
 from labcal.run.progress import Progress
 from labcal.shoot.tone_curve import ToneCurve

@@ -41,6 +41,8 @@ class TwinPicture:
     noise : PictureNoise
         Of the main channel.
     curve : str
+    is_compressed : bool
+        True if compression with loss is simulated.
     """
 
     view: str
@@ -56,6 +58,7 @@ class TwinPicture:
     pixels: PixelFigures
     noise: PictureNoise
     curve: str
+    is_compressed: bool
 
 
 def twin_picture(job: TwinJob) -> TwinPicture:
@@ -90,7 +93,7 @@ def twin_picture(job: TwinJob) -> TwinPicture:
     return TwinPicture(
         job.source.view, job.source.camera, job.source.image, job.camera.size, dots, rendered,
         np.stack(drawn), covariance, made.blur_px, made.windows, PixelFigures.of(made), made.noise[made.main],
-        made.stored.curve.value,
+        made.stored.curve.value, made.stored.coding is not None,
     )  # fmt: skip
 
 

@@ -13,7 +13,8 @@ from labcal.guide.twin.known_print import KnownPrint
 from labcal.guide.twin.picture import TwinPicture
 from labcal.guide.twin.posed import PosedViews
 from labcal.guide.twin.residuals import DotResiduals
-from labcal.guide.twin.unexplained import PictureVerdict, Unexplained
+from labcal.guide.twin.unexplained_positions import Unexplained
+from labcal.guide.twin.verdicts import PictureVerdict
 from labcal.public_object import HtmlTable, PublicObject
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import pytest
 from labcal.guide.twin.cause_designs import CauseKind
 from labcal.guide.twin.causes import explained
 from labcal.guide.twin.residuals import DotResiduals
-from labcal.guide.twin.unexplained import unexplained_positions
+from labcal.guide.twin.unexplained_positions import unexplained_positions
 
 SIGMA = 0.01
 PX_PER_MM = 10.0
