@@ -57,8 +57,8 @@ def with_compression(made: RenderedAgain, job: TwinJob) -> RenderedAgain:
         even = stated * np.float32(mean[flat].sum() / stated[flat].sum() if flat.any() else 1.0)
         coded.append(np.maximum(np.where(with_edge, _block_means(mean), even), _ROUNDING) * step2)
     known = replace(made, coded=coded)
-    light, variance = known.light[known.main], known.variances()[known.main]
-    windows = dot_windows(known.photo[known.main], variance, known.behind, light, known.around)
+    of, variance = known.light[known.main], known.variances()[known.main]
+    windows = dot_windows(known.photo[known.main], variance, known.behind, of, known.around)
     return replace(known, windows=windows)
 
 

@@ -35,7 +35,7 @@ class JpegCoding:
 
     @classmethod
     def of(cls, path: Path) -> "JpegCoding | None":
-        """Return that of a file; None where it is no JPEG, or a form of it that is not simulated."""
+        """Return the compression of a file; None where it is no JPEG, or a form of it that is not simulated."""
         from PIL import Image, JpegImagePlugin  # noqa: PLC0415 -- takes a tenth of a second
 
         if path.suffix.lower() not in _SUFFIXES:
