@@ -35,7 +35,7 @@ class JpegCoding:
 
     @classmethod
     def of(cls, path: Path) -> "JpegCoding | None":
-        """Return the compression of a file; None where it is no JPEG, or a form of it that is not simulated."""
+        """Return the compression of a file; None of what is no JPEG, or a form of it not simulated."""
         from PIL import Image, JpegImagePlugin  # noqa: PLC0415 -- takes a tenth of a second
 
         if path.suffix.lower() not in _SUFFIXES:
@@ -59,4 +59,5 @@ class JpegCoding:
         tables = [list(one) for one in self.tables]
         Image.fromarray(picture).save(data, "JPEG", qtables=tables, subsampling=self.sampling)
         flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
-        return red_first(cv2.imdecode(np.frombuffer(data.getbuffer(), np.uint8), flags).astype(np.uint8))
+        read = np.asarray(cv2.imdecode(np.frombuffer(data.getbuffer(), np.uint8), flags))
+        return red_first(read.astype(np.uint8))

@@ -1,4 +1,4 @@
-"""What moves dots beyond noise, in words and by rank."""
+"""Causes that move dots beyond noise, in words and by rank."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
