@@ -83,7 +83,9 @@ class ShootModel:
     def view_misfits(self) -> Float64[np.ndarray, " views"]:
         """Chi-square of each view in the fit of a shoot without mistakes, over its number of dots."""
         found = []
-        for products, moved in zip(self.forms.products, moved_by(self.forms.views, self.base, self.good.values), strict=True):
+        for products, moved in zip(
+            self.forms.products, moved_by(self.forms.views, self.base, self.good.values), strict=True
+        ):
             step = np.append(moved, 1.0)
             found.append(float(step @ products @ step))
         return np.asarray(np.array(found) / np.maximum(self.forms.dots.sum(axis=0), 1.0))
