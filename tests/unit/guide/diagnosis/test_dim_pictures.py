@@ -12,7 +12,9 @@ from labcal.guide.diagnosis.checks import exposure
 from labcal.guide.diagnosis.evidence import Evidence
 
 
-@pytest.mark.parametrize(("stops", "named"), [(-1.7, True), pytest.param(-0.4, False, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("stops", "named"), [(-1.7, True), pytest.param(-0.4, False, marks=pytest.mark.slow)]
+)
 def test_darkness_that_costs_noise_is_named_above_the_level_of_dark_pictures(
     tmp_path: Path, stops: float, *, named: bool
 ) -> None:
