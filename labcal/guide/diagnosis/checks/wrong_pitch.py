@@ -1,6 +1,7 @@
 """A pitch that is not as declared: unequal along x and y, or another one than a stage measures."""
 
 from labcal.guide.diagnosis.check_name import CheckName
+from labcal.guide.diagnosis.dot_scale import INK_MM, DotScale
 from labcal.guide.diagnosis.evidence import Evidence
 from labcal.guide.diagnosis.finding import LEAST_HARM, LEVEL, CheckResult, Finding, NotJudged
 from labcal.guide.diagnosis.forms.explaining import Explanation
@@ -25,11 +26,15 @@ def check(evidence: Evidence) -> CheckResult:
         return (*found, *_by_stage(evidence, scale))
     if found:
         return found
+    by_dots = DotScale.of(evidence)
+    if by_dots is not None and by_dots.p_value < LEVEL:
+        return _by_dots(evidence, by_dots)
+    seen = "" if by_dots is None else " and the dots are as large beside their distances as declared,"
     return NotJudged(
         CheckName.WRONG_PITCH,
-        "The pitches of x and y agree, but a pitch that is wrong by the same factor in both cannot be seen "
-        "with a target in the hand: the whole rig is scaled with it. A stage's readings, a scale bar or a "
-        "measured ruler on the print would decide.",
+        f"The pitches of x and y agree,{seen} but a print that is wrong by the same factor in all cannot be "
+        "seen with a target in the hand: the whole rig is scaled with it. A stage's readings, a scale bar or "
+        "a measured ruler on the print would decide.",
     )
 
 
@@ -43,6 +48,26 @@ def _words(model: ShootModel, one: Explanation) -> tuple[str, str]:
         ),
         _MEND,
     )
+
+
+def _by_dots(evidence: Evidence, scale: DotScale) -> tuple[Finding, ...]:
+    harm = abs(scale.beyond_ink) * scale.spread_mm
+    words = (
+        f"The dots' diameter over their pitch is off by {scale.diameter_percent:+.2g} +- "
+        f"{scale.sigma_percent:.1g}%, more than ink that spreads by {INK_MM:g} mm explains. Either the pitch "
+        f"is not the declared one (off by {scale.pitch_percent:+.2g}% if the diameter is right), and all "
+        "lengths are wrong by as much; or the diameter is not the declared one, and lengths are right."
+    )
+    mend = (
+        "Measure a long row of dots, and the diameter of one, with a ruler or a caliper, and declare what "
+        "you find."
+    )
+    return (
+        Finding(
+            CheckName.WRONG_PITCH, evidence.cameras, tuple(evidence.detections.views), words, mend,
+            scale.p_value, harm, evidence.harm_percent_of(harm),
+        ),
+    )  # fmt: skip
 
 
 def _by_stage(evidence: Evidence, scale: StageScale) -> tuple[Finding, ...]:

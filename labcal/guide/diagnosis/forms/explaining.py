@@ -262,6 +262,7 @@ def _judged(
             later = np.zeros(sum(term.count for term in model.base))
             if one.check in CHANGES:
                 later = model.in_rig(one.terms[0].columns, explanation.size)
-            bias = model.bias_mm(fit, without, noise, later)
+            rig = _terms(other for other in chosen if other is not one and other.check not in BY_VIEW)
+            bias = model.bias_mm(one.terms, fit, rig, noise, later)
         found.append(replace(explanation, bias_mm=bias, budget_mm=budget, declared_mm=bias))
     return Explained(tuple(found), by_themselves, noise)

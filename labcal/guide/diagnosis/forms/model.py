@@ -79,3 +79,17 @@ def fitted(forms: ViewForms, terms: Sequence[Term]) -> Fit:
     solution = scale * (axes @ (along / values))
     chi2 = max(0.0, square - float((along**2 / values).sum()))
     return Fit(chi2, int(known.sum()), solution, root @ root.T)
+
+
+def moved_by(
+    views: int, terms: Sequence[Term], values: Float64[np.ndarray, " parameters"]
+) -> Float64[np.ndarray, "views columns"]:
+    """Return what values of some terms move each column by, view by view."""
+    moved = np.zeros((views, len(terms[0].columns)))
+    start = 0
+    for term in terms:
+        own = values[start : start + term.count].reshape(-1, term.columns.shape[1])
+        seen = term.groups >= 0
+        moved[seen] += own[term.groups[seen]] @ term.columns.T
+        start += term.count
+    return moved

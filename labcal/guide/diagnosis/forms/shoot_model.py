@@ -1,7 +1,7 @@
 """The linear model of a shoot: its noise, and what errors of its parameters cost in 3-D."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,7 @@ from labcal.cameras.triangulation_derivatives import triangulation_derivatives
 from labcal.geometry.cross_matrices import cross_matrices
 from labcal.geometry.poses import inverse, transform
 from labcal.guide.diagnosis.forms.hypotheses import base_terms, free_poses
-from labcal.guide.diagnosis.forms.model import Fit, Term, fitted
+from labcal.guide.diagnosis.forms.model import Fit, Term, fitted, moved_by
 from labcal.guide.diagnosis.forms.view_forms import ViewForms
 from labcal.guide.volume_cost import Volume
 
@@ -83,7 +83,9 @@ class ShootModel:
     def view_misfits(self) -> Float64[np.ndarray, " views"]:
         """Chi-square of each view in the fit of a shoot without mistakes, over its number of dots."""
         found = []
-        for products, moved in zip(self.forms.products, self._moved(self.good, ()), strict=True):
+        for products, moved in zip(
+            self.forms.products, moved_by(self.forms.views, self.base, self.good.values), strict=True
+        ):
             step = np.append(moved, 1.0)
             found.append(float(step @ products @ step))
         return np.asarray(np.array(found) / np.maximum(self.forms.dots.sum(axis=0), 1.0))
@@ -161,14 +163,27 @@ class ShootModel:
         return float(np.sqrt(by_noise + by_rig))
 
     def bias_mm(
-        self, found: Fit, without: Fit, noise: float, later: Float64[np.ndarray, " shared"]
+        self,
+        of: tuple[Term, ...],
+        found: Fit,
+        beside: Sequence[Term],
+        noise: float,
+        later: Float64[np.ndarray, " shared"],
     ) -> float | None:
-        """Return the RMS 3-D error of a rig that is calibrated without a term, less the part by chance.
+        """Return the RMS 3-D error of a rig that is calibrated without some terms, less the part by chance.
+
+        It is the bias by omitted variables: the rig's parameters take up ``(X' W X)^-1 X' W Z z`` of terms Z
+        with values z.
 
         Parameters
         ----------
-        found, without : Fit
-            With the term, and without it.
+        of : tuple of Term
+            Those that are left out, each the same in all its views.
+        found : Fit
+            With them, as its last terms.
+        beside : sequence of Term
+            Those that the rig is calibrated with beside the base: none by which views have errors of their
+            own, which no calibration knows, and beside which the rig would have no pose.
         noise : float
             As of :meth:`budget_mm`.
         later : ndarray, shape (shared,)
@@ -176,14 +191,24 @@ class ShootModel:
         """
         if self.square is None:
             return None
-        count = len(self.square)
-        chance = found.covariance[:count, :count] - without.covariance[:count, :count]
-        by_chance = noise * float(np.sum(self.square * chance))
+        count, width = len(self.square), sum(term.count for term in of)
+        takes_up = np.stack([self._taken_up(of, one, beside)[:count] for one in np.eye(width)], axis=1)
+        values, covariance = found.values[-width:], found.covariance[-width:, -width:]
+        by_chance = noise * float(np.sum((takes_up.T @ self.square @ takes_up) * covariance))
         biases = []
         for change in (np.zeros(count), later):
-            off = without.values[:count] - found.values[:count] - change
+            off = takes_up @ values - change
             biases.append(float(off @ self.square @ off) - max(0.0, by_chance))
         return float(np.sqrt(max(0.0, *biases)))
+
+    def _taken_up(
+        self, of: tuple[Term, ...], values: Float64[np.ndarray, " parameters"], beside: Sequence[Term]
+    ) -> Float64[np.ndarray, " others"]:
+        """Return what the base, and terms beside it, take up of dots that other terms alone have moved."""
+        moved = moved_by(self.forms.views, of, values)
+        products = self.forms.products.copy()
+        products[:, :-1, -1] = -np.einsum("vij,vj->vi", products[:, :-1, :-1], moved)
+        return fitted(replace(self.forms, products=products), (*self.base, *beside)).values
 
     def scattered_bias_mm(self, without: Fit, extra: Sequence[Term], noise: float) -> float | None:
         """Return the expected RMS 3-D error of the rig by errors that each view has for itself, mm.
@@ -209,24 +234,14 @@ class ShootModel:
         step = self.good.covariance
         of_error = step @ self.square @ step
         total, views = 0.0, 0
-        for products, moved in zip(self.forms.products, self._moved(without, extra), strict=True):
+        all_moved = moved_by(self.forms.views, (*self.base, *extra), without.values)
+        for products, moved in zip(self.forms.products, all_moved, strict=True):
             own = base.T @ products[:-1, :-1] @ base
             slope = base.T @ (products[:-1, :-1] @ moved + products[:-1, -1])
             expected = noise * (own - own @ step @ own)
             total += float(slope @ of_error @ slope - np.sum(of_error * expected))
             views += 1
         return float(np.sqrt(max(0.0, total * views / max(1, views - 1))))
-
-    def _moved(self, fit: Fit, extra: Sequence[Term]) -> Float64[np.ndarray, "views columns"]:
-        """Return what a fit moves each column by, view by view."""
-        moved = np.zeros((self.forms.views, self.forms.products.shape[1] - 1))
-        start = 0
-        for term in (*self.base, *extra):
-            values = fit.values[start : start + term.count].reshape(-1, term.columns.shape[1])
-            seen = term.groups >= 0
-            moved[seen] += values[term.groups[seen]] @ term.columns.T
-            start += term.count
-        return moved
 
     def in_rig(
         self, columns: Float64[np.ndarray, "columns k"], values: Float64[np.ndarray, " k"]
