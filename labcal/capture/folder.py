@@ -26,12 +26,14 @@ class FolderSource:
         Its place is the folder.
     cameras : str, optional
         Cameras by the end of the names, as of :func:`~labcal.correspond.picture_set.open_pictures`.
+    raw : str, optional
+        Pixel format, as of the same.
     """
 
     live = False
 
-    def __init__(self, address: Address, cameras: str | None) -> None:
-        self._address, self._cameras = address, cameras
+    def __init__(self, address: Address, cameras: str | None, raw: str | None = None) -> None:
+        self._address, self._cameras, self._raw = address, cameras, raw
         self._infos: tuple[CameraInfo, ...] = ()
         self._poses: dict[str, Pose] = {}
         self._roles: dict[str, str] = {}
@@ -45,7 +47,7 @@ class FolderSource:
         InputError
             There are none; or they are of several cameras, and the address names one.
         """
-        found = open_pictures(self._address.place, self._cameras)
+        found = open_pictures(self._address.place, self._cameras, self._raw)
         self._poses = {} if found.shoot is None else found.shoot.nominal_poses()
         self._roles = found.roles
         cameras = list(dict.fromkeys(one.camera for one in found.sources))
@@ -73,9 +75,7 @@ class FolderSource:
         refusals: list[str] = []
         for picture in pictures:
             try:
-                frames[self._name(picture.camera)] = Frame(
-                    picture.read(), encoded=file_of(Path(picture.image))
-                )
+                frames[self._name(picture.camera)] = frame_of(picture)
             except InputError as error:  # a damaged file
                 refusals.append(str(error))
         role = Role(self._roles.get(view, Role.TRAIN))
@@ -104,6 +104,18 @@ class FolderSource:
         )
 
 
+def frame_of(picture: Picture, time_s: float | None = None) -> Frame:
+    """Return a picture as it was measured, with its file as it is, except where that does not tell its form.
+
+    Raises
+    ------
+    InputError
+        It cannot be read.
+    """
+    encoded = file_of(Path(picture.image)) if picture.raw is None else None
+    return Frame(picture.read(), time_s, encoded=encoded)
+
+
 def file_of(path: Path) -> Encoded:
     """Return a picture's file as it is."""
     return Encoded(read_bytes(path, "picture", MOST_BYTES), path.suffix.lower())
@@ -111,4 +123,4 @@ def file_of(path: Path) -> Encoded:
 
 def source_of(address: Address, settings: SourceSettings) -> FolderSource:
     """Return the source of a folder, which is looked at when it is opened."""
-    return FolderSource(address, settings.cameras)
+    return FolderSource(address, settings.cameras, settings.raw)

@@ -28,6 +28,9 @@ class SourceSettings:
     """Longest wait for a picture of a live camera, or of :data:`watch` for the next file, s."""
     cameras: str | None = None
     """Names of cameras by the end of file names or by patterns, of `folder` and `watch`."""
+    raw: str | None = None
+    """Pixel format of pictures that hold a mosaic or have no header, of `folder` and `watch`, as of
+    :func:`labcal.pipeline.open_pictures`; the shoot then gets the pictures as they are measured."""
     seed: int = 0
     """Of noise and poses of `sim`."""
     overrides: tuple[str, ...] = ()

@@ -2,10 +2,11 @@
 
 import time
 from collections.abc import Collection
+from dataclasses import replace
 from pathlib import Path
 
 from labcal.capture.addresses import Address
-from labcal.capture.folder import file_of
+from labcal.capture.folder import frame_of
 from labcal.capture.settings import SourceSettings
 from labcal.capture.source import CameraInfo, Frame, FrameSet
 from labcal.correspond.name_patterns import CAMERA
@@ -13,6 +14,7 @@ from labcal.correspond.sources import Source as Picture
 from labcal.correspond.sources import camera_endings, loose_source
 from labcal.errors import DeviceError, InputError
 from labcal.shoot.pictures import SUFFIXES
+from labcal.shoot.raw_pictures import RAW_SUFFIXES, parse_raw_format
 from labcal.wording import listed
 
 POLL_S = 0.05
@@ -42,6 +44,7 @@ class WatchedFolder:
     def __init__(self, address: Address, settings: SourceSettings) -> None:
         self._address, self._folder = address, Path(address.place)
         self._timeout_s = settings.timeout_s
+        self._raw = None if settings.raw is None else parse_raw_format(settings.raw)
         self._endings = {} if settings.cameras is None else camera_endings(settings.cameras)
         if CAMERA in self._endings.values():
             raise InputError(
@@ -123,7 +126,8 @@ class WatchedFolder:
         self._stood.clear()
 
     def _pictures(self) -> list[Path]:
-        return sorted(path for path in self._folder.iterdir() if path.suffix.lower() in SUFFIXES)
+        suffixes = SUFFIXES if self._raw is None else SUFFIXES | RAW_SUFFIXES
+        return sorted(path for path in self._folder.iterdir() if path.suffix.lower() in suffixes)
 
     def _look(self) -> bool:
         """Read files that have stood still, and return whether anything changed."""
@@ -147,10 +151,10 @@ class WatchedFolder:
 
     def _take(self, path: Path, time_s: float) -> bool:
         """Read a file into its view; return whether it was a whole picture."""
-        source = loose_source(str(path), self._endings)
+        source = replace(loose_source(str(path), self._endings), raw=self._raw)
         name = self._names[0] if not self._endings else source.camera
         try:
-            frame = Frame(source.read(), time_s, encoded=file_of(path))
+            frame = frame_of(source, time_s)
         except InputError:  # half-written still
             return False
         self._sizes.setdefault(name, frame.size)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.cli.guide_options import add_guide, guide_settings
-from labcal.cli.options import add_output, add_seed, positive_number
+from labcal.cli.options import add_cameras, add_output, add_seed, positive_number
 from labcal.cli.parser import CommandGroup
 from labcal.cli.print_scale import add_print_scale
 from labcal.cli.session import Session
@@ -111,11 +111,7 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="N",
         help="of live cameras: end with an error after N refused sets in a row (default 5)",
     )
-    parser.add_argument(
-        "--cameras",
-        metavar="NAMES",
-        help="of folder: and watch: cameras by the end of the name, '_0=left,_1=right', or by a pattern",
-    )
+    add_cameras(parser, "folder: and watch:")
     parser.add_argument(
         "--page",
         action="store_true",
@@ -202,6 +198,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         gain=arguments.gain,
         timeout_s=arguments.timeout_s,
         cameras=arguments.cameras,
+        raw=arguments.raw,
         seed=arguments.seed,
         every=arguments.every,
         video_offset=arguments.video_offset,

@@ -154,7 +154,7 @@ def _marks(arguments: Namespace, session: Session, settings: "CheckSettings") ->
         refuse_option(arguments, name, "does not go with --places: fixed marks take the place of a target")
     first = Path(arguments.pictures[0])
     if len(arguments.pictures) == 1 and first.is_file() and is_pixels(first):
-        for name in ("workers", "cameras", "markers"):
+        for name in ("workers", "cameras", "raw", "markers"):
             refuse_option(arguments, name, "is for pictures; a table holds the pixels of their marks")
         if arguments.changes:
             raise InputError("--set is for finding marks in pictures; a table holds them. Leave it out.")
@@ -164,7 +164,7 @@ def _marks(arguments: Namespace, session: Session, settings: "CheckSettings") ->
             "Pictures are given, but not which marks to look for in them. Give --markers, as in "
             "'apriltag-36h11', or the table of their pixels."
         )
-    pictures = open_pictures(arguments.pictures, arguments.cameras)
+    pictures = open_pictures(arguments.pictures, arguments.cameras, arguments.raw)
     for warning in pictures.warnings:
         session.warn(warning)
     search = replace(settings.markers, detector=detect_settings(arguments.changes))
@@ -187,13 +187,13 @@ def _dots(
 
     first = Path(arguments.pictures[0])
     if len(arguments.pictures) == 1 and first.is_file() and first.suffix.lower() not in SUFFIXES:
-        for name in ("workers", "cameras"):
+        for name in ("workers", "cameras", "raw"):
             refuse_option(arguments, name, "is for pictures; a table holds their dots")
         if arguments.changes:
             raise InputError("--set is for finding dots in pictures; a table holds them. Leave it out.")
         kept = read_rig(arguments.rig)
         return read_detections(first), known or target_shown(arguments.target, None, rig=kept).target
-    pictures = open_pictures(arguments.pictures, arguments.cameras)
+    pictures = open_pictures(arguments.pictures, arguments.cameras, arguments.raw)
     target = known or pictures.target(arguments.target, read_rig(arguments.rig))
     settings = detect_settings(arguments.changes)
     for warning in pictures.warnings:

@@ -52,11 +52,11 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     page = asked_page(arguments, session, [*arguments.pictures, arguments.rig])
     first = Path(arguments.pictures[0])
     if len(arguments.pictures) == 1 and first.is_file() and first.suffix.lower() not in SUFFIXES:
-        for name in ("workers", "cameras"):
+        for name in ("workers", "cameras", "raw"):
             refuse_option(arguments, name, "is for pictures; a table holds their dots")
         found = diagnose(first, arguments.target, arguments.rig, page=page)
     else:
-        pictures = open_pictures(arguments.pictures, arguments.cameras)
+        pictures = open_pictures(arguments.pictures, arguments.cameras, arguments.raw)
         for warning in pictures.warnings:
             session.warn(warning)
         announce_compiling(session)

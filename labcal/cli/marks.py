@@ -7,11 +7,11 @@ from pathlib import Path
 from labcal.cli.compiling import announce_compiling
 from labcal.cli.methods import own_method
 from labcal.cli.named_points import frame_path, measure_settings, point_outputs, write_points
-from labcal.cli.options import add_detector_settings, add_workers, refuse_option
+from labcal.cli.options import add_cameras, add_detector_settings, add_workers, refuse_option
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 
-_WITH_MARKS = ("mark_diameter", "cameras", "tone_curve", "overlay", "pixels", "workers")
+_WITH_MARKS = ("mark_diameter", "cameras", "raw", "tone_curve", "overlay", "pixels", "workers")
 
 
 def add_marks(parser: argparse.ArgumentParser) -> None:
@@ -39,12 +39,7 @@ def add_marks(parser: argparse.ArgumentParser) -> None:
         help="diameter of plain and of coded dots, by which wrong matches and wrong scales are told; a sheet "
         "of coded dots states its own",
     )
-    parser.add_argument(
-        "--cameras",
-        metavar="NAMES",
-        help="cameras of loose pictures by the end of the name, '_0=left,_1=right', or by a pattern: "
-        "'left*=left,right*=right'",
-    )
+    add_cameras(parser)
     parser.add_argument(
         "--tone-curve",
         default="linear",
@@ -111,7 +106,7 @@ def write_marks(arguments: Namespace, session: Session) -> ExitStatus:
     )
     refuse_pixels(arguments.source)
     refuse_pixel_sigma(settings.pixel_sigma)
-    pictures = open_pictures(arguments.source, arguments.cameras)
+    pictures = open_pictures(arguments.source, arguments.cameras, arguments.raw)
     if arguments.pixels is not None:
         outputs.append(FileOutput(arguments.pixels, PIXELS))
     if arguments.overlay is not None:

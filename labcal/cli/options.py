@@ -22,25 +22,39 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
         "pictures", nargs="+", metavar="SHOOT-or-IMAGES", help="one shoot, or pictures and folders"
     )
     add_target_and_cameras(parser)
-    parser.add_argument(
-        "--raw",
-        metavar="FORMAT",
-        help="pixel format of loose pictures that hold a Bayer mosaic or have no header, with the size of "
-        "these: 'BayerRG8', 'Mono12p:1280x1024' (GenICam's names)",
-    )
 
 
 def add_target_and_cameras(parser: argparse.ArgumentParser) -> None:
-    """Add what pictures are of, and who took them: ``--target``, ``--cameras``."""
+    """Add what pictures are of, who took them, and their form: ``--target``, ``--cameras``, ``--raw``."""
     parser.add_argument(
         "--target", metavar="NAME", help="the target; a shoot brings its own, and so does a print with a code"
     )
+    add_cameras(parser)
+
+
+def add_cameras(parser: argparse.ArgumentParser, of: str = "loose pictures") -> None:
+    """Add ``--cameras`` and ``--raw``, which :func:`labcal.pipeline.open_pictures` takes.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+    of : str
+        The pictures that they are for.
+    """
     parser.add_argument(
         "--cameras",
         metavar="NAMES",
-        help="cameras of loose pictures by the end of the name, '_0=left,_1=right', or by a pattern: "
+        help=f"cameras of {of} by the end of the name, '_0=left,_1=right', or by a pattern: "
         "'left*=left,right*=right', 'L/*=left,R/*=right', or by one with named parts: "
-        "'shot_{view}_cam{camera}', '{camera}/{view}'; '*=camera' states that one camera took all",
+        "'shot_{view}_cam{camera}', '{camera}/{view}', or by lists of pictures, whose lines are the views, "
+        "or folders: 'left=left.txt,right=right.txt', 'left=A/,right=B/'; '*=camera' states that one camera "
+        "took all",
+    )
+    parser.add_argument(
+        "--raw",
+        metavar="FORMAT",
+        help=f"pixel format of {of} that hold a Bayer mosaic or have no header, with the size of these: "
+        "'BayerRG8', 'Mono12p:1280x1024' (GenICam's names)",
     )
 
 

@@ -71,7 +71,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         workers=arguments.workers,
         force=arguments.force,
     )
-    pictures = open_pictures(arguments.pictures, arguments.cameras)
+    pictures = open_pictures(arguments.pictures, arguments.cameras, arguments.raw)
     for warning in pictures.warnings:
         session.warn(warning)
     announce_compiling(session)

@@ -4,7 +4,7 @@ import math
 from argparse import ArgumentTypeError, Namespace
 from pathlib import Path
 
-from labcal.cli.options import add_output
+from labcal.cli.options import add_cameras, add_output
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -23,12 +23,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "pictures", nargs="+", metavar="SHOOT-or-IMAGES", help="one shoot, or pictures and folders"
     )
-    parser.add_argument(
-        "--cameras",
-        metavar="NAMES",
-        help="cameras of loose pictures by the end of the name, '_0=left,_1=right', or by a pattern: "
-        "'left*=left,right*=right', 'L/*=left,R/*=right'; '*=camera' states that one camera took all",
-    )
+    add_cameras(parser)
     parser.add_argument(
         "--rectify", action="store_true", help="turn a pair so that a point has the same row in both pictures"
     )
@@ -65,7 +60,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.wording import counted
 
     how = UndistortSettings(arguments.rectify, arguments.whole, arguments.distance_mm, arguments.force)
-    pictures = open_pictures(arguments.pictures, arguments.cameras)
+    pictures = open_pictures(arguments.pictures, arguments.cameras, arguments.raw)
     with session.progress() as progress:
         result = undistort(arguments.model, pictures, arguments.output, how, progress)
     for warning in result.warnings:

@@ -10,10 +10,11 @@ from pydantic import BaseModel
 
 from labcal.arguments import one_text, wrong_type
 from labcal.cameras.rig import Rig
+from labcal.correspond.camera_lists import camera_lists, list_sources
 from labcal.correspond.name_patterns import CAMERA
 from labcal.correspond.pictures_left_out import left_out_words
 from labcal.correspond.printed_target import ShownTarget, named_target, read_target
-from labcal.correspond.sources import Source, camera_endings, find_sources, shoot_sources
+from labcal.correspond.sources import Source, camera_endings, find_sources, picture_files, shoot_sources
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import PublicObject
@@ -43,6 +44,8 @@ class PictureSet(PublicObject):
         Files in the folders that are left out, for people.
     endings : str
         What tells the cameras of loose pictures, as ``--cameras`` takes it; empty where nothing was given.
+    raw : str
+        Their pixel format, as ``--raw`` takes it; empty where nothing was given.
     """
 
     sources: tuple[Source, ...]
@@ -51,6 +54,7 @@ class PictureSet(PublicObject):
     given: tuple[str, ...]
     warnings: tuple[str, ...] = ()
     endings: str = ""
+    raw: str = ""
 
     def _summary(self) -> Mapping[str, object]:
         cameras = list(dict.fromkeys(source.camera for source in self.sources))
@@ -105,7 +109,8 @@ def open_pictures(
         A shoot or its folder; or pictures and folders of pictures.
     cameras : mapping of str to str, or str, optional
         Cameras of loose pictures by the end of the name, or by a pattern: ``"_0=left,_1=right"``; see
-        :func:`~labcal.correspond.sources.parse_camera_endings`.
+        :func:`~labcal.correspond.sources.parse_camera_endings`. Or by lists, text files with a path a line,
+        or folders: ``"left=left.txt,right=right.txt"``; pictures in the same line are one view.
     raw : str, optional
         Pixel format of loose pictures that hold a mosaic, or have no header: ``"BayerRG8"``,
         ``"Mono12p:1280x1024"``; see :func:`~labcal.shoot.raw_pictures.parse_raw_format`. Of a folder without
@@ -152,13 +157,19 @@ def open_pictures(
         raise InputError("No picture is given. Give a shoot, or pictures and folders of pictures.")
     form = None if raw is None else parse_raw_format(one_text(raw, "raw"))
     paths = paths if form is None else with_raw_files(paths)
+    left_out, stated = tuple(left_out_words(paths)), "" if raw is None else raw
+    lists = camera_lists(cameras)
+    if lists is not None:
+        listed_ones, unlisted = list_sources(picture_files(paths), lists, form)
+        text = ",".join(f"{camera}={place}" for camera, place in lists.items())
+        warnings = (*left_out, *unlisted)
+        return PictureSet(tuple(listed_ones), None, _name(paths[0]), tuple(paths), warnings, text, stated)
     endings = {} if cameras is None else camera_endings(cameras)
-    left_out = tuple(left_out_words(paths))
     text = ",".join(
         ending if camera == CAMERA else f"{ending}={camera}" for ending, camera in endings.items()
     )
     sources = tuple(replace(source, raw=form) for source in find_sources(paths, endings))
-    return PictureSet(sources, None, _name(paths[0]), tuple(paths), left_out, text)
+    return PictureSet(sources, None, _name(paths[0]), tuple(paths), left_out, text, stated)
 
 
 def with_raw_files(paths: Sequence[str]) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from labcal.arguments import one_text, wrong_type
 from labcal.correspond.name_patterns import ANY, CAMERA, VIEW, best_pattern, camera_in, view_in
 from labcal.correspond.named_cameras import named_cameras
+from labcal.correspond.picture_lists import LIST, listed_pictures
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.run.names import differ_in_case, is_name
@@ -144,7 +145,7 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
     Parameters
     ----------
     paths : sequence of str
-        Files and folders as given; of a folder without pictures, those in its folders.
+        Files, folders and lists of pictures as given; of a folder without pictures, those in its folders.
     endings : mapping of str to str
         Camera by ending or pattern of the name (see :func:`parse_camera_endings`); the view is the rest of
         the name. Where empty, all are of one camera named ``camera`` and the view is the whole name.
@@ -157,7 +158,7 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
         cameras and `endings` is empty.
     """
     sources: dict[tuple[str, str], Source] = {}
-    images = _files(paths)
+    images = picture_files(paths)
     refuse_unnamed_cameras(images, endings)
     for image in images:
         source = loose_source(image, endings)
@@ -222,12 +223,21 @@ def loose_source(image: str, endings: Mapping[str, str]) -> Source:
     return Source(view_in(image, pattern) or "", camera, image, None)
 
 
-def _files(paths: Sequence[str]) -> list[str]:
+def picture_files(paths: Sequence[str]) -> list[str]:
+    """Return pictures one by one; a folder stands for those in it, and a list for those that it names.
+
+    Raises
+    ------
+    InputError
+        A path does not exist, or a list names no pictures.
+    """
     found: list[str] = []
     for given in paths:
         path = Path(given)
         if path.is_dir():
             found += [image for folder in picture_folders(path) for image in _pictures_in(folder)]
+        elif path.is_file() and path.suffix.lower() == LIST:
+            found += listed_pictures(path)
         elif path.is_file():
             found.append(given)
         else:

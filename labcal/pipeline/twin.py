@@ -97,7 +97,8 @@ def twin(
     command = f"twin {calibrated.model_dump_json()} {how.views} {how.spp} {how.draws} {how.seed}"
     with unfinished_folder(as_path(folder), command, force=how.force) as working:
         found = made_twin(calibrated, photographs, known, how, (working, receiver))
-        write_twin(working, found, page_maker(_page(opened, rig, target, how), "twin", arguments))
+        maker = page_maker(_page(opened, rig, target, how), "twin", arguments)
+        write_twin(working, found, maker, opened.sources[0].raw)
     return found
 
 
@@ -145,6 +146,7 @@ def _page(
     if isinstance(target, str | os.PathLike):
         words += ["--dots" if is_places(target) else "--target", os.fspath(target)]
     words += ["--cameras", opened.endings] if opened.endings else []
+    words += ["--raw", opened.raw] if opened.raw else []
     views = ",".join(how.views) if isinstance(how.views, tuple) else how.views
     values = {"views": (views, None)} | {
         name: (getattr(how, name), getattr(TwinSettings(), name)) for name in ("spp", "draws", "seed")

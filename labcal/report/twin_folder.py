@@ -17,12 +17,13 @@ from labcal.run.json_text import to_json
 from labcal.run.outputs import write_file
 from labcal.shoot.dataset import write_manifest
 from labcal.shoot.manifest import CameraEntry, Manifest, Role, ViewEntry
+from labcal.shoot.raw_pictures import RawFormat
 from labcal.shoot.truth import TrueDots, TrueView, Truth, write_truth
 
 DOCUMENT, PAGE = "twin.json", "index.html"
 
 
-def write_twin(folder: Path, found: Twin, maker: PageMaker) -> None:
+def write_twin(folder: Path, found: Twin, maker: PageMaker, raw: RawFormat | None = None) -> None:
     """Write all files of a twin but the pictures, which are there already.
 
     Parameters
@@ -30,11 +31,13 @@ def write_twin(folder: Path, found: Twin, maker: PageMaker) -> None:
     folder : Path
     found : Twin
     maker : PageMaker
+    raw : RawFormat, optional
+        Pixel format of the photographs, where their files do not tell it.
     """
     result = twin_result(".", found)
     write_file(folder / DOCUMENT, to_json(result), force=True)
     _write_shoot(folder / SHOOT, found)
-    page = twin_page(result, folder, maker).text()
+    page = twin_page(result, folder, maker, raw).text()
     write_file(folder / PAGE, page, kind=INNER_PAGE_KIND, force=True)
 
 

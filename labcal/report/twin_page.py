@@ -12,6 +12,7 @@ from labcal.report.page_maker import PageMaker
 from labcal.report.twin_result import TwinPictureResult, TwinResult
 from labcal.report.twin_words import print_words, twin_summary
 from labcal.shoot.pictures import read_picture
+from labcal.shoot.raw_pictures import RawFormat, read_raw_picture
 from labcal.wording import counted
 
 _MOST_SHOWN = 24
@@ -27,7 +28,7 @@ _DIFFERENCE = (
 )
 
 
-def twin_page(result: TwinResult, folder: Path, maker: PageMaker) -> Page:
+def twin_page(result: TwinResult, folder: Path, maker: PageMaker, raw: RawFormat | None = None) -> Page:
     """Return the page of a twin.
 
     Parameters
@@ -36,6 +37,8 @@ def twin_page(result: TwinResult, folder: Path, maker: PageMaker) -> Page:
     folder : Path
         Where the pictures of the twin are.
     maker : PageMaker
+    raw : RawFormat, optional
+        Pixel format of the photographs, where their files do not tell it.
     """
     opening: list[Part] = [
         Prose(tuple(words for words in (twin_summary(result), print_words(result)) if words))
@@ -44,7 +47,7 @@ def twin_page(result: TwinResult, folder: Path, maker: PageMaker) -> Page:
         opening.append(Prose(("Nothing beyond noise is found.",)))
     opening += maker.notes(result.warnings)
     shown = result.pictures[:_MOST_SHOWN]
-    pictures: list[Part] = [_wiped(number, one, folder) for number, one in enumerate(shown)]
+    pictures: list[Part] = [_wiped(number, one, folder, raw) for number, one in enumerate(shown)]
     if len(shown) < len(result.pictures):
         pictures.append(
             Prose((f"The first {_MOST_SHOWN} are shown; the folder 'pictures' has all.",), Tone.QUIET)
@@ -104,13 +107,13 @@ def _by_picture(result: TwinResult) -> PageTable:
     )
 
 
-def _wiped(number: int, one: TwinPictureResult, folder: Path) -> Wiped:
+def _wiped(number: int, one: TwinPictureResult, folder: Path, raw: RawFormat | None) -> Wiped:
     name = f"{one.view}_{one.camera}.png"
     title = f"View {one.view}, camera {one.camera}"
     verdict = "; ".join(one.findings) or "at noise level"
     return Wiped(
         f"picture-{number}",
-        read_picture(one.image),
+        read_picture(one.image) if raw is None else read_raw_picture(one.image, raw),
         read_picture(folder / RENDERING / name),
         read_picture(folder / DIFFERENCE / name),
         ("photograph", "rendering", _DIFFERENCE),

@@ -16,6 +16,8 @@ RAW_SUFFIXES = frozenset({".raw", ".bin"})
 """Endings of files without a header, in a folder."""
 _FORM = re.compile(r"(Mono|Bayer(?:RG|GR|GB|BG))(8|10|12|14|16|10p|12p|10Packed|12Packed)(?::(\d+)x(\d+))?")
 _WHOLE_BYTE = 8
+_BURNT_SHARE = 0.01
+"""More pixels of a colour than this with the largest value of all are burnt out."""
 _CORNERS = {"RG": "RGGB", "GR": "GRBG", "GB": "GBRG", "BG": "BGGR"}
 
 
@@ -110,7 +112,8 @@ def balanced_mosaic(mosaic: np.ndarray, pattern: str) -> np.ndarray:
     Returns
     -------
     ndarray, shape (height, width)
-        Of the same type; the brighter colours are scaled down, so that none is cut off.
+        Of the same type; the darker colours are scaled up to the brightest one, which tells the exposure, and
+        cut off at the end of the range. Where the brightest one is burnt out, all are cut off at its value.
     """
     phases = {(i, j): mosaic[i::2, j::2] for i in (0, 1) for j in (0, 1)}
     colours = dict(zip(phases, _CORNERS[pattern], strict=True))
@@ -118,10 +121,14 @@ def balanced_mosaic(mosaic: np.ndarray, pattern: str) -> np.ndarray:
         colour: float(np.mean([phase.mean() for at, phase in phases.items() if colours[at] == colour]))
         for colour in "RGB"
     }
-    least = min(means.values())
-    balanced = mosaic.astype(np.float64)
+    most_mean = max(means.values())
+    balanced, ceiling, most = mosaic.astype(np.float64), np.inf, mosaic.max(initial=0)
     for at, colour in colours.items():
-        balanced[at[0] :: 2, at[1] :: 2] *= least / means[colour] if means[colour] > 0.0 else 1.0
+        factor = most_mean / means[colour] if means[colour] > 0.0 else 1.0
+        balanced[at[0] :: 2, at[1] :: 2] *= factor
+        if np.count_nonzero(phases[at] == most) > _BURNT_SHARE * phases[at].size:
+            ceiling = min(ceiling, factor * float(most))
+    balanced = np.minimum(balanced, min(ceiling, np.iinfo(mosaic.dtype).max))
     return np.asarray(np.round(balanced).astype(mosaic.dtype))
 
 

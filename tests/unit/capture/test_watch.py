@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from labcal.capture.addresses import Address
+from labcal.capture.folder import FolderSource
 from labcal.capture.settings import SourceSettings
 from labcal.capture.several import SeveralWaiting
 from labcal.capture.source import Source, opened
@@ -109,3 +110,30 @@ def test_two_watched_folders_are_looked_at_together(tmp_path: Path) -> None:
             assert time.monotonic() < end + 10.0
             time.sleep(0.02)
         assert (set(seen.frames), seen.view) == ({"left", "right"}, "a")
+
+
+@pytest.mark.parametrize("kind", ["folder", "watch"])
+def test_pictures_of_a_stated_form_enter_a_shoot_as_they_are_measured(tmp_path: Path, kind: str) -> None:
+    """The file does not tell its form, so that the shoot gets the picture and not the file."""
+    values = np.arange(24, dtype=np.uint8).reshape(4, 6)
+    settings = SourceSettings(timeout_s=5.0, cameras="_0=left,_1=right", raw="Mono8:6x4")
+
+    def drop() -> None:
+        for name in ("a_0.raw", "a_1.raw"):
+            (tmp_path / name).write_bytes(values.tobytes())
+
+    address = Address(kind, str(tmp_path))
+    if kind == "folder":
+        drop()
+        source: Source = FolderSource(address, settings.cameras, settings.raw)
+    else:
+        source = WatchedFolder(address, settings)
+    with opened(source):
+        if kind == "watch":
+            drop()
+        taken = source.trigger()
+    assert taken is not None
+    assert list(taken.frames) == ["left", "right"]
+    for frame in taken.frames.values():
+        assert frame.encoded is None
+        np.testing.assert_array_equal(frame.picture, values)

@@ -149,6 +149,7 @@ def test_no_message_of_the_library_speaks_of_an_option() -> None:
     assert sorted((path, option.findall(text)[0]) for path, text in found) == [
         ("pipeline/twin.py", "--cameras"),
         ("pipeline/twin.py", "--dots"),
+        ("pipeline/twin.py", "--raw"),
         ("pipeline/twin.py", "--target"),
         ("report/bench.py", "--quick"),
         ("report/calibrate_result.py", "--json"),

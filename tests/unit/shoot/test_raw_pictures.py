@@ -69,8 +69,8 @@ def test_a_mosaic_of_grey_things_in_coloured_light_becomes_grey(pattern: str, co
         mosaic[i::2, j::2] = (light[colour] * rows[i::2]).astype(np.uint16)
     grey = balanced_mosaic(mosaic, pattern)
     assert grey.dtype == np.uint16
-    assert np.abs(grey[:10].astype(int) - 500).max() <= 1
-    assert np.abs(grey[10:].astype(int) - 250).max() <= 1
+    assert np.abs(grey[:10].astype(int) - 2000).max() <= 1
+    assert np.abs(grey[10:].astype(int) - 1000).max() <= 1
     # By another pattern it stays a mosaic.
     other = {"RG": "GR", "GR": "RG", "GB": "BG", "BG": "GB"}[pattern]
     assert np.ptp(balanced_mosaic(mosaic, other)[:10].astype(int)) > 300
@@ -124,3 +124,39 @@ def test_folders_of_raw_files_are_read_with_their_format(tmp_path: Path) -> None
     cv2.imwrite(str(tmp_path / "b.png"), np.zeros((6, 10, 3), dtype=np.uint8))
     with pytest.raises(InputError, match="holds no mosaic"):
         open_pictures(tmp_path / "b.png", raw="BayerGB8").sources[0].read()
+
+
+def test_errors_of_dots_behind_a_mosaic_are_as_stated() -> None:
+    """Photon and read noise, unlike gains of the colours: the pixels of red and blue are noisier."""
+    target = DotGrid(
+        name="plain", cols=7, rows=5, pitch_x_mm=20, pitch_y_mm=20, dot_diameter_mm=10, rings=None,
+        margin_mm=20,
+    )  # fmt: skip
+    random = np.random.default_rng(2)
+    rows, columns = np.mgrid[:320, :440]
+    squares = []
+    for _ in range(4):
+        places = target.points(target.indices())[:, :2] * [2.6, -2.6] + [60.3, 260.7]
+        places += random.uniform(-2.0, 2.0, 2)
+        light = np.full((320, 440), 210.0)
+        for x, y in places:  # symmetric about the place, whatever the form of the edge
+            light -= 85.0 * (1.0 - np.tanh((np.hypot(columns - x, rows - y) - 13.0) / 0.9))
+        light[0::2, 0::2] *= 0.55
+        light[1::2, 1::2] *= 0.45
+        light += random.standard_normal(light.shape) * np.sqrt(4.0 + 0.1 * light)
+        mosaic = np.clip(np.round(light), 0, 255).astype(np.uint8)
+        dots = detect_dots(balanced_mosaic(mosaic, "RG"), target)
+        assert int(dots.ok.sum()) == 35
+        distances = np.linalg.norm(dots.position[:, None] - places[None], axis=2)
+        errors = dots.position - places[distances.argmin(axis=1)]
+        squares.append(np.einsum("ni,nij,nj->n", errors, np.linalg.inv(dots.covariance), errors))
+    degrees = 2 * sum(map(len, squares))
+    assert abs(np.concatenate(squares).sum() - degrees) < 3.0 * np.sqrt(2.0 * degrees)
+
+
+def test_a_burnt_colour_of_a_mosaic_stays_burnt() -> None:
+    mosaic = np.random.default_rng(1).integers(90, 110, (40, 40)).astype(np.uint8)
+    mosaic[0::2, 1::2] = mosaic[1::2, 0::2] = 255  # green
+    mosaic[:20] //= 4
+    balanced = balanced_mosaic(mosaic, "RG")
+    assert np.count_nonzero(balanced == balanced.max()) >= 400  # all green pixels of the lower half
