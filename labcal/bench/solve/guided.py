@@ -27,7 +27,8 @@ MOST_VIEWS = 0.6
 LEAST_FOUND = 0.95
 WITHIN = 0.2
 """Of the error that is stated at the end."""
-_DRAWN = 4
+_DRAWN = 12
+"""Views from which the noise of dots is known by their size: from four its power is hardly known."""
 _CHANCE = 2.6
 """Standard errors that chance is granted: of a hundred good ones, one is beyond."""
 
@@ -62,9 +63,8 @@ def guided_findings(bench: Bench) -> Findings:
 def _rig(name: str, seeds: range) -> _Rig:
     planned = PlannedRig.of(load_rig_plan(name))
     plan = planned.plan
-    views = planned.views(plan.shoot.views, 0)
-    some = views[:: -(-len(views) // _DRAWN)]
-    noise = measured_noise(drawn_pictures(planned.cameras, some, plan.target, plan.photometry, seeds.start))
+    views = planned.views(_DRAWN, 0)
+    noise = measured_noise(drawn_pictures(planned.cameras, views, plan.target, plan.photometry, seeds.start))
     many = [random_errors(planned, noise, seed)[RANDOM_VIEWS - 1] for seed in seeds]
     wanted = float(np.median(many))
     return _Rig(name, wanted, [GuidedSet(name, noise, wanted, seed) for seed in seeds])
