@@ -86,9 +86,11 @@ def _findings(rig: _Rig, found: list[GuidedFigures]) -> Findings:
             at_most(f"{title}: views over those of random poses, medians", views / random, MOST_VIEWS),
             at_most(f"{title}: share of {asked} pictures asked for that are not indexed",
                     1.0 - indexed / asked, 1.0 - LEAST_FOUND),
-            at_most(f"{title}: RMS 3-D error at the end over the one stated, off 1",
+            at_most(f"{title}: RMS 3-D error at the end over the one stated, off 1 (limit: {WITHIN:.0%}, and "
+                    f"{chance:.1%} for chance, {_CHANCE:g} standard errors)",
                     abs(actual / stated - 1.0), WITHIN + chance),
-            at_most(f"{title}: RMS error of shape at the end over the one stated, off 1",
+            at_most(f"{title}: RMS error of shape at the end over the one stated, off 1 "
+                    f"(limit: {WITHIN:.0%})",
                     abs(actual_shape / stated_shape - 1.0), WITHIN),
         ],
         [
@@ -99,7 +101,16 @@ def _findings(rig: _Rig, found: list[GuidedFigures]) -> Findings:
             Figure(name=f"{title}: RMS 3-D error at the end over the one stated", value=actual / stated),
             Figure(name=f"{title}: RMS error of shape at the end over the one stated",
                    value=actual_shape / stated_shape),
+            Figure(name=f"{title}: share of captures with a 3-D error within {WITHIN:.0%} of the one stated",
+                   value=_share_within([one.actual_mm / one.stated_mm for one in found])),
+            Figure(name=f"{title}: share of captures with an error of shape within {WITHIN:.0%} of the one "
+                        "stated",
+                   value=_share_within([one.actual_shape_mm / one.stated_shape_mm for one in found])),
             Figure(name=f"{title}: share of captures that reached the error",
                    value=float(np.mean([one.reached for one in found]))),
         ],
     )  # fmt: skip
+
+
+def _share_within(ratios: list[float]) -> float:
+    return float(np.mean(np.abs(np.array(ratios) - 1.0) <= WITHIN))
