@@ -71,10 +71,11 @@ class Diagnoser:
                     self._report(findings)
 
     def _findings(self, shoot: Shoot, found: list[Measurement]) -> tuple[Finding, ...]:
-        if len(shoot.views()) < FEWEST_VIEWS:
+        target = self._dots.target
+        if target is None or len(shoot.views()) < FEWEST_VIEWS:
             return ()
         try:
-            evidence = Evidence(self._dots.target, detections_of(found), shoot, tuple(found))
+            evidence = Evidence(target, detections_of(found), shoot, tuple(found))
             findings = diagnosed(evidence).findings
         except LabcalError:  # nothing to judge by, or a picture was taken out meanwhile
             return ()

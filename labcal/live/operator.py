@@ -5,7 +5,6 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 
-from labcal.arrays import Pixels
 from labcal.capture.advice import Advice, Advisor
 from labcal.capture.attendant import DropView
 from labcal.capture.preview import Previewed
@@ -17,7 +16,7 @@ from labcal.live.diagnoser import Diagnoser
 from labcal.live.looking import Look, Looker
 from labcal.live.picture import small_jpeg
 from labcal.live.shoot_dots import ShootDots
-from labcal.live.shown import CameraShown, Phase, ViewShown
+from labcal.live.shown import CameraShown, Phase, ViewShown, places_shown
 from labcal.targets.catalogue import AnyTarget
 
 PERIOD_S = 0.09
@@ -36,7 +35,8 @@ class Operator:
     source : Previewed
         Open while :meth:`wait` is called.
     target : AnyTarget or None
-        None where it is not known: then nothing is looked for in the pictures.
+        None where it is not known: then its code is looked for, until a view tells it; see
+        :meth:`keep_dots`.
     finish : callable
         Called when the page asks for the end; False where the capture has to go on.
     phrase : callable
@@ -52,7 +52,7 @@ class Operator:
         phrase: Callable[[str], str] = str,
     ) -> None:
         self._board, self._source, self._finish, self._phrase = board, source, finish, phrase
-        self._looker = None if target is None else Looker(target, self._looked)
+        self._looker = Looker(target, self._looked)
         self._advisor: Advisor | None = None
         self._follow: Callable[[Advice], None] | None = None
         self._judging: Future[Advice | None] | None = None
@@ -74,9 +74,9 @@ class Operator:
 
     def close(self) -> None:
         """End what runs beside."""
-        for one in (self._looker, self._diagnoser):
-            if one is not None:
-                one.stop()
+        self._looker.stop()
+        if self._diagnoser is not None:
+            self._diagnoser.stop()
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def wait(self, request: str, views: tuple[str, ...]) -> bool | DropView:
@@ -129,8 +129,7 @@ class Operator:
         self._board.show(views=len(taken), taken=taken, faults=(), error="")
         if self._dots is not None:
             self._dots.forget(view)
-        if self._looker is not None:
-            self._looker.left()
+        self._looker.left()
         if self._advisor is not None or self._diagnoser is not None:
             self._judging = self._pool.submit(self._after_drop, view)
 
@@ -142,9 +141,8 @@ class Operator:
             return
         now = (*self._board.shown.taken, ViewShown(view))
         self._board.show(views=len(now), taken=now, faults=())
-        if self._looker is not None:
-            self._looker.took()
-            self._look = None
+        self._looker.took()
+        self._look = None
         if self._advisor is not None or self._dots is not None:
             self._judging = self._pool.submit(self._judge, taken, view)
 
@@ -152,6 +150,7 @@ class Operator:
         """Find the dots of a view, and judge it by them; in a thread of its own."""
         if self._dots is not None:
             found = self._dots.of_view(view)
+            self._learn_target()
             frames = {
                 name: replace(frame, dots=found[name].dots if name in found else None)
                 for name, frame in taken.frames.items()
@@ -163,6 +162,12 @@ class Operator:
             return None
         self._advisor.judge(taken, view)
         return self._advisor.advise()
+
+    def _learn_target(self) -> None:
+        """Look for the target of the shoot."""
+        target = None if self._dots is None else self._dots.target
+        if target is not None:
+            self._looker.learn(target)
 
     def _after_drop(self, view: str) -> Advice | None:
         if self._diagnoser is not None:
@@ -181,10 +186,12 @@ class Operator:
         """Say which cameras there are, and begin to look."""
         self._begun = True
         cameras = tuple(CameraShown(one.name, one.size) for one in self._source.describe())
-        self._board.show(cameras=cameras, auto=self._auto, guided=self._advisor is not None)
-        for one in (self._looker, self._diagnoser):
-            if one is not None:
-                one.start()
+        self._board.show(cameras=cameras, auto=self._auto, guided=self._asks)
+        if views:
+            self._learn_target()
+        self._looker.start()
+        if self._diagnoser is not None:
+            self._diagnoser.start()
         if self._advisor is not None:
             self._judging = self._pool.submit(self._advisor.advise)
         if self._diagnoser is not None and views:
@@ -213,6 +220,12 @@ class Operator:
             return False
         return self._look.still and self._look.away
 
+    @property
+    def _asks(self) -> bool:
+        """Return whether poses are asked for; a recording is as it is."""
+        follows = self._source.live or self._source.waits or self._follow is not None
+        return self._advisor is not None and follows
+
     def _take_advice(self, request: str) -> None:
         """Show the advice where there is a new one, else the plain request."""
         if self._judging is None:
@@ -231,11 +244,10 @@ class Operator:
         if self._follow is not None:
             self._follow(advice)
         words, _, hint = _sentence(advice.words).partition(". ")
-        asks = self._source.live or self._source.waits or self._follow is not None  # a recording is as it is
         cameras = tuple(
             replace(
                 one,
-                outline=_places(advice.outlines.get(one.name)) if asks else (),
+                outline=places_shown(advice.outlines.get(one.name)) if self._asks else (),
                 coverage=tuple(
                     tuple(int(count) for count in row) for row in advice.coverage.get(one.name, ())
                 ),
@@ -247,8 +259,8 @@ class Operator:
         self._board.show(
             taken=(*taken[:-1], replace(taken[-1], remarks=faults)) if taken and faults else taken,
             phase=Phase.AIM,
-            request=words if asks or advice.done else request,
-            hint=FINISH if advice.done else hint if asks else "",
+            request=words if self._asks or advice.done else request,
+            hint=FINISH if advice.done else hint if self._asks else "",
             cameras=cameras,
             reached_mm=advice.reached_mm,
             wanted_mm=advice.wanted_mm,
@@ -265,15 +277,14 @@ class Operator:
         sizes = {name: frame.size for name, frame in pictures.frames.items()}
         if any(one.size != sizes.get(one.name, one.size) for one in self._board.shown.cameras):
             self._board.change_cameras(lambda one: replace(one, size=sizes.get(one.name, one.size)))
-        if self._looker is not None:
-            self._looker.see(pictures)
+        self._looker.see(pictures)
 
     def _looked(self, look: Look) -> None:
         """Draw what was found; called from the looker's thread."""
         self._look = look
         self._board.change_cameras(
             lambda one: replace(
-                one, dots=_places(look.dots.get(one.name)), found=look.found.get(one.name, one.found)
+                one, dots=places_shown(look.dots.get(one.name)), found=look.found.get(one.name, one.found)
             )
         )
         self._board.show(still=look.still)
@@ -281,10 +292,3 @@ class Operator:
 
 def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}"
-
-
-def _places(points: Pixels | None) -> tuple[tuple[float, float], ...]:
-    """Return points for the page, rounded to what can be seen."""
-    if points is None:
-        return ()
-    return tuple((round(float(x), 1), round(float(y), 1)) for x, y in points)

@@ -16,25 +16,32 @@ class ShootDots:
     ----------
     folder : Path
         The shoot, which may grow and lose views.
-    target : AnyTarget
+    target : AnyTarget or None
+        None where it is not known: then the shoot names it, from the view on in which the code of its print
+        is read.
     """
 
-    def __init__(self, folder: Path, target: AnyTarget) -> None:
+    def __init__(self, folder: Path, target: AnyTarget | None) -> None:
         self._folder, self._target = folder, target
         self._known: dict[str, Measurement] = {}
 
     @property
-    def target(self) -> AnyTarget:
-        """The target that is looked for."""
+    def target(self) -> AnyTarget | None:
+        """The target that is looked for; None while nothing tells it."""
+        shoot = self._shoot() if self._target is None else None
+        if shoot is not None:
+            self._target = shoot.manifest.target
         return self._target
 
     def of_view(self, view: str) -> dict[str, Measurement]:
-        """Return the measurements of a view by camera; no camera where the shoot does not have the view."""
-        shoot = self._shoot()
-        sources = [] if shoot is None else [one for one in shoot_sources(shoot) if one.view == view]
+        """Return the measurements of a view by camera; none without a target or such a view."""
+        shoot, target = self._shoot(), self.target
+        if shoot is None or target is None:
+            return {}
+        sources = [one for one in shoot_sources(shoot) if one.view == view]
         for source in sources:
             if source.image not in self._known:
-                self._known[source.image] = measure_picture(source, self._target)
+                self._known[source.image] = measure_picture(source, target)
         return {source.camera: self._known[source.image] for source in sources}
 
     def forget(self, view: str) -> None:
@@ -47,11 +54,16 @@ class ShootDots:
         Raises
         ------
         InputError
-            There is no view yet.
+            There is no view yet, or nothing tells the target.
         """
-        shoot = open_shoot(self._folder)
+        shoot, target = open_shoot(self._folder), self.target
+        if target is None:
+            raise InputError(
+                "No code of a print is read in the views, so that the target is not known. Show the code, or "
+                "begin a new shoot with the name of the target."
+            )
         found = [one for view in shoot.views() for one in self.of_view(view.name).values()]
-        return shoot, agreed(found, self._target)
+        return shoot, agreed(found, target)
 
     def _shoot(self) -> Shoot | None:
         try:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+from labcal.arrays import Pixels
+
 
 class Phase(StrEnum):
     """The work that goes on at the bench."""
@@ -77,9 +79,7 @@ class Shown:
     taken: tuple[ViewShown, ...] = ()
     """The views, in the order in which they were taken."""
     guided: bool = False
-    """True if a pose is asked for after each view."""
-    removable: bool = True
-    """True if a view can be taken out again."""
+    """True if a pose is asked for before each view."""
     wanted_views: int | None = None
     """Views after which the capture ends; None if a person ends it."""
     least_views: int = 3
@@ -108,3 +108,10 @@ class Shown:
     """The failure of the last piece of work."""
     notice: str = ""
     """Something to know that is no failure, such as a wait that has become long."""
+
+
+def places_shown(points: Pixels | None) -> tuple[tuple[float, float], ...]:
+    """Return points for the page, px, rounded to what can be seen; none of None."""
+    if points is None:
+        return ()
+    return tuple((round(float(x), 1), round(float(y), 1)) for x, y in points)

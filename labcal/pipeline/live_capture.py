@@ -52,7 +52,8 @@ def capture_live(
     folder : path
         The shoot to appear.
     target : str or AnyTarget, optional
-        The target that the pictures show; a scene brings its own.
+        The target that the pictures show, which a scene and a shoot that is replayed bring with them. Without
+        it the page asks for the code of a print, and goes on with the target that it tells.
     settings : CaptureSettings, optional
         With `views`, the capture ends after so many; else when the person says so.
     live : LiveSettings, optional
@@ -70,8 +71,8 @@ def capture_live(
         A camera is missing or fails, the port is in use, or the extra ``page`` is not installed; the views
         taken before are whole.
     InputError
-        No target is known, an address or a setting cannot be used, or nothing can be calibrated from the
-        views.
+        An address or a setting cannot be used, or nothing can be calibrated from the views, such as where
+        nothing tells the target.
     OutputError
         The shoot, the rig or its page exists already, or may not be written.
 
@@ -101,8 +102,6 @@ def capture_live(
     if given.guide is None and given.stage is None:
         given = replace(given, guide=GuideSettings())
     source, run = planned_capture(sources, target, given, None)
-    if run.target is None:
-        raise InputError("The live page looks for the target, but none is known. Name it: `target=NAME`.")
     dots = ShootDots(as_path(folder), run.target)
     ending = _Ending(dots, as_path(folder), how, Board(), force=run.settings.force)
     previewed = Previewed(source)
@@ -207,9 +206,11 @@ class _Ending:
         from labcal.guide.diagnosis.diagnosing import diagnosed
         from labcal.guide.diagnosis.evidence import Evidence
 
-        shoot, found = self._dots.all()
+        (shoot, found), target = self._dots.all(), self._dots.target
+        if target is None:
+            return ()
         try:
-            evidence = Evidence(self._dots.target, detections_of(found), shoot, tuple(found), made.rig)
+            evidence = Evidence(target, detections_of(found), shoot, tuple(found), made.rig)
             return diagnosed(evidence).findings
         except InputError:  # no picture shows enough to judge
             return ()

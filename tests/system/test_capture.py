@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from labcal import examples
 from labcal.cli.status import ExitStatus
 from labcal.shoot.dataset import open_shoot
 
@@ -123,6 +124,15 @@ def test_a_simulated_hand_follows_the_guide_until_the_error_is_reached(labcal: R
     assert 4 <= told["views"] == guided["usable_views"] <= 8
     assert "its top tilted away" in done.said
     assert len(open_shoot(tmp_path / "shoot").views()) == told["views"]
+
+
+def test_a_guided_capture_of_a_shoot_takes_its_target(labcal: Run, tmp_path: Path) -> None:
+    shoot = examples.shoot(tmp_path / "shoot")
+    done = labcal("capture", f"folder:{shoot.folder}", "--guided", "-o", tmp_path / "again")
+    assert done.status == ExitStatus.DONE, done.said
+    assert done.document["guided"]["usable_views"] == done.document["views"] == len(shoot.views())
+    assert "code" not in done.said
+    assert open_shoot(tmp_path / "again").target == shoot.target
 
 
 def test_options_of_a_guided_capture_need_one(labcal: Run, tmp_path: Path) -> None:

@@ -11,8 +11,8 @@ from labcal.targets.catalogue import AnyTarget
 from labcal.targets.print_scale import AnyPrintScale, as_printed
 
 _ASK = (
-    "Hold the printed target upright in front of the cameras, still and so near that the square code in its "
-    "margin is sharp in a picture: it tells which target this is"
+    "Show the printed code. Hold the target upright in front of the cameras, still and so near that the "
+    "square code in its margin is sharp in a picture, and take a view: the code tells which target this is"
 )
 _UNREAD = (
     "no code of a print is read in this view: hold the code nearer and still, or begin again with the name "

@@ -138,8 +138,8 @@ function list(id, texts) {
 
 // The list of views is built again only when it has changed, so that a button stays while it is pressed.
 let listed = "";
-function views(taken, removable) {
-  const key = JSON.stringify([taken, removable]);
+function views(taken, aiming) {
+  const key = JSON.stringify([taken, aiming]);
   if (key === listed) return;
   listed = key;
   byId("taken").querySelector("ul").replaceChildren(...taken.map((one) => {
@@ -147,7 +147,7 @@ function views(taken, removable) {
     button.type = "button";
     button.className = "small";
     button.textContent = "Take out";
-    button.disabled = !removable;
+    button.disabled = !aiming;
     button.setAttribute("aria-label", `Take out ${one.name}`);
     button.addEventListener("click", () => {
       if (button.dataset.sure) { button.disabled = true; send("drop", one.name); return; }
@@ -174,6 +174,9 @@ function show() {
   document.body.dataset.views = state.views;
   byId("request").textContent = state.request;
   byId("hint").textContent = state.hint;
+  byId("guided").hidden = !state.guided;
+  byId("unguided").hidden = state.guided || state.phase === "start";
+  byId("fill").hidden = !state.guided;
   byId("step").textContent = {start: "Preparing", aim: state.request.startsWith("View") ? "" : `View ${state.views + 1}${state.wanted_views ? ` of ${state.wanted_views}` : ""}`,
     take: `View ${state.views + 1}`, calibrate: "Calibrating", done: "Calibrated", failed: "Stopped"}[state.phase];
   byId("cameras").hidden = state.phase === "done" || state.phase === "calibrate" || state.phase === "failed";

@@ -1,8 +1,6 @@
 from pathlib import Path
 
-import cv2
-import numpy as np
-from photographs import photograph
+from coded_print import SIZE, photographed
 
 from labcal import examples
 from labcal.capture.guide_settings import GuideSettings
@@ -10,24 +8,13 @@ from labcal.capture.settings import CaptureSettings
 from labcal.capture.source import CameraInfo, Frame, FrameSet
 from labcal.guide.next_pose.guided_by_code import GuidedByCode
 from labcal.pipeline.capturing import planned_capture
-from labcal.targets.artwork import ArtworkFormat, draw_artwork
-from labcal.targets.catalogue import load_target
-
-SIZE = (1280, 960)
-
-
-def printed(name: str, copy: int | None) -> np.ndarray:
-    drawn = draw_artwork(load_target(name), ArtworkFormat.PNG, dpi=203, copy=copy)
-    picture = cv2.imdecode(np.frombuffer(drawn.content, np.uint8), cv2.IMREAD_GRAYSCALE)
-    assert picture is not None
-    return np.asarray(photograph(picture, SIZE, fill=0.8, tilt_deg=20.0, axis_deg=10.0))
 
 
 def test_the_code_of_a_print_begins_the_guide_and_the_views_before_count() -> None:
     guide = GuidedByCode(GuideSettings(wanted_mm=0.5), 1)
     guide.begin((CameraInfo("left", "stand-in", SIZE),))
     assert "square code" in guide.advise().words
-    sheet, uncoded = printed("rings-14x10", 1), printed("rings-14x10", None)
+    sheet, uncoded = photographed("rings-14x10", 1), photographed("rings-14x10", None)
     (fault,) = guide.judge(FrameSet({"left": Frame(uncoded)}), "view-001")
     assert "no code of a print is read" in fault
     assert guide.advise().faults == (fault,)

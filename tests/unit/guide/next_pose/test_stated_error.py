@@ -17,6 +17,7 @@ def test_the_error_that_is_stated_is_the_true_one_and_rests_on_four_views() -> N
     views = planned.views(plan.shoot.views, 0)[:12]
     noise = measured_noise(drawn_pictures(planned.cameras, views, plan.target, plan.photometry, 7))
     found = [measured_guided(GuidedSet("webcams", noise, 0.02, seed)) for seed in range(3001, 3004)]
+    # Of 1140 sets of three of the twenty captures of `bench solve --only guided --seed 1700` none is beyond.
     for stated, actual in (("stated_mm", "actual_mm"), ("stated_shape_mm", "actual_shape_mm")):
         ratio = [getattr(one, actual) / getattr(one, stated) for one in found]
         assert np.sqrt(np.mean(np.square(ratio))) == pytest.approx(1.0, abs=0.2)
