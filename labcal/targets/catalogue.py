@@ -8,6 +8,7 @@ from pydantic import PlainSerializer, PlainValidator
 from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.paths import AnyPath, as_text
 from labcal.run.descriptions import description_content, description_names, validate_description
+from labcal.targets.kalibr_target import from_kalibr, is_kalibr_target
 from labcal.targets.registry import PLAIN, TargetKind, kind_by_name, target_kinds
 from labcal.targets.target import PrintableTarget
 from labcal.wording import shown
@@ -74,7 +75,8 @@ def load_target(name: AnyPath) -> AnyTarget:
     Parameters
     ----------
     name : str or os.PathLike
-        The name of a shipped target, or the path of a YAML file.
+        The name of a shipped target, or the path of a YAML file: labcal's, or the ``target.yaml`` of an
+        AprilGrid of Kalibr's.
 
     Returns
     -------
@@ -100,6 +102,8 @@ def load_target(name: AnyPath) -> AnyTarget:
     """
     name = as_text(name)
     content = description_content("target", FOLDER, name)
+    if is_kalibr_target(content):
+        content = from_kalibr(content, name)
     try:
         kind = _kind(content)
     except UnknownNameError:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from labcal.errors import InputError
+from labcal.targets.april_grid import AprilGrid
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.charuco import CharucoBoard, MarkerDictionary, Pattern
 from labcal.targets.chessboard import Chessboard, SquareColour
@@ -100,9 +101,6 @@ def _charuco(name: str, fields: Sequence[str]) -> CharucoBoard:
     further = len(fields) == 7  # noqa: PLR2004 -- the first id, where it is not 0
     size, square, marker, dictionary, pattern, margin, *first = _so_many(fields, 6 + further)
     across, up = _wholes(size, "X", 2)
-    known = {_dictionary_word(one): one for one in MarkerDictionary}
-    if dictionary not in known:
-        raise InputError(f"It names a set of markers {clipped(dictionary)!r}, which OpenCV does not have.")
     return CharucoBoard.model_validate(
         {
             "kind": "charuco",
@@ -110,7 +108,7 @@ def _charuco(name: str, fields: Sequence[str]) -> CharucoBoard:
             "squares": (across, up),
             "square_mm": _value(square),
             "marker_mm": _value(marker),
-            "dictionary": known[dictionary],
+            "dictionary": _dictionary(dictionary),
             "pattern": _word(pattern, Pattern),
             "margin_mm": _value(margin),
             "first_id": _wholes(first[0], ".", 1)[0] if first else 0,
@@ -178,6 +176,37 @@ def _chessboard(name: str, fields: Sequence[str]) -> Chessboard:
     )
 
 
+def _april_fields(grid: AprilGrid) -> list[str]:
+    return [
+        f"{grid.tag_cols}X{grid.tag_rows}",
+        _number(grid.tag_mm),
+        _number(grid.tag_spacing),
+        _dictionary_word(grid.dictionary),
+        f"{grid.first_id}.{grid.border_cells}",
+        _number(grid.margin_mm),
+    ]
+
+
+def _april(name: str, fields: Sequence[str]) -> AprilGrid:
+    size, tag, spacing, dictionary, print_, margin = _so_many(fields, 6)
+    cols, rows = _wholes(size, "X", 2)
+    first_id, border = _wholes(print_, ".", 2)
+    return AprilGrid.model_validate(
+        {
+            "kind": "aprilgrid",
+            "name": name,
+            "tag_cols": cols,
+            "tag_rows": rows,
+            "tag_mm": _value(tag),
+            "tag_spacing": _value(spacing),
+            "dictionary": _dictionary(dictionary),
+            "first_id": first_id,
+            "border_cells": border,
+            "margin_mm": _value(margin),
+        }
+    )
+
+
 FORMS = {
     form.letter: form
     for form in (
@@ -185,6 +214,7 @@ FORMS = {
         Form("C", CharucoBoard, _charuco_fields, _charuco),
         Form("K", CodedDots, _coded_fields, _coded),
         Form("B", Chessboard, _chessboard_fields, _chessboard),
+        Form("T", AprilGrid, _april_fields, _april),
     )
 }
 """The forms by the letter of the kind."""
@@ -212,6 +242,14 @@ def _word(letter: str, words: type[_W]) -> _W:
 
 def _dictionary_word(dictionary: MarkerDictionary) -> str:
     return dictionary.value.removeprefix("DICT_").replace("_", "-").upper()
+
+
+def _dictionary(word: str) -> MarkerDictionary:
+    """Return the set of markers that a word names."""
+    known = {_dictionary_word(one): one for one in MarkerDictionary}
+    if word not in known:
+        raise InputError(f"It names a set of markers {clipped(word)!r}, which OpenCV does not have.")
+    return known[word]
 
 
 def _number(value: float) -> str:

@@ -1,6 +1,7 @@
 """Signed distance from the edge of the print of a target of any kind, from the outlines of its artwork."""
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 from jaxtyping import Float32, Float64
@@ -11,6 +12,8 @@ from labcal.targets.target import PrintableTarget
 
 MOST_STEPS = 4096
 """Steps of the grid along the longer side of a board, and a few more."""
+_MOST_PARTS = 20
+"""Parts of the first step from column to column of which the second one may be made."""
 _REACH = 2.5
 """Steps from an edge within which distances are computed; farther ones are cut to that."""
 
@@ -52,10 +55,18 @@ def ink_distance(target: PrintableTarget) -> InkDistance:
         The kind is a user's, and its outlines are none.
     """
     x_min, y_min, x_max, y_max = target.extent_mm
-    first, second = target.points(np.array([[0, 0], [1, 0]]))[:, 0]
-    pitch = float(abs(second - first))
+    pitch = _unit(target)
     step = pitch / np.ceil(pitch * MOST_STEPS / max(x_max - x_min, y_max - y_min))
     return polygon_distance(print_polygons(target), Rectangle(x_min, y_min, x_max, y_max), float(step))
+
+
+def _unit(target: PrintableTarget) -> float:
+    """Return a length of which the steps from column to column are multiples, mm, where there is one."""
+    columns = np.array([[0, 0], [1, 0], [min(2, target.cols - 1), 0]])
+    first, second, third = target.points(columns)[:, 0].tolist()
+    pitch = abs(second - first)
+    ratio = Fraction(abs(third - second) / pitch).limit_denominator(_MOST_PARTS)
+    return float(pitch / ratio.denominator)
 
 
 def polygon_distance(

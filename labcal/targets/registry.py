@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.run.registration import require_members, require_own_name
 from labcal.run.user_code import Place, imported, user_code
+from labcal.targets.april_grid import AprilGrid
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.chessboard import Chessboard
 from labcal.targets.coded_dots import CodedDots
@@ -71,6 +72,12 @@ _SHIPPED = (
         Chessboard,
         "labcal.detect.chessboard:detect_chessboard",
         "labcal.targets.chessboard_outlines:chessboard_outlines",
+    ),
+    TargetKind(
+        "aprilgrid",
+        AprilGrid,
+        "labcal.detect.april_grid:detect_april_grid",
+        "labcal.targets.april_grid_outlines:april_grid_outlines",
     ),
 )
 _KINDS: dict[str, TargetKind] = {kind.name: kind for kind in _SHIPPED}

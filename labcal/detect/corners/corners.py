@@ -59,14 +59,14 @@ class Corners:
 
 
 @dataclass(frozen=True)
-class _Standard:
+class Standard:
     """The usual roughness and step of a picture's corners, which a fit is compared with."""
 
     roughness: float
     step: float
 
     @classmethod
-    def of(cls, fits: list[CornerFit | None]) -> "_Standard":
+    def of(cls, fits: list[CornerFit | None]) -> "Standard":
         """Return the medians."""
         sound = [fit for fit in fits if fit is not None]
         return cls(
@@ -98,7 +98,7 @@ def measured_corners(
         fit_corner(grey, search.surroundings((int(i), int(j)), place, axes), settings.corner)
         for (i, j), place, axes in zip(rough.index, rough.seen_at, axes_all, strict=True)
     ]
-    standard = _Standard.of(fits)
+    standard = Standard.of(fits)
     fits = [standard.met_by(fit, settings.corner) for fit in fits]
     index = [(int(i), int(j)) for i, j in rough.index]
     seen_at = [place if fit is None else fit.centre for place, fit in zip(rough.seen_at, fits, strict=True)]
@@ -147,7 +147,7 @@ def widened_corners(
         for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
     }
     wider = wider_fits(grey, fits, around, settings)
-    standard = _Standard.of(list(wider.values()))
+    standard = Standard.of(list(wider.values()))
     found = [standard.met_by(wider.get(node), settings) for node in nodes]
     seen_at = [
         place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)

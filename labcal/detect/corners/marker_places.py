@@ -99,7 +99,7 @@ def markers_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSet
     for seed in seeds:
         if seed in best:
             continue
-        agreeing = _agreeing(seed, seen, on_board, settings.max_marker_residual_squares)
+        agreeing = agreeing_markers(seed, seen, on_board, settings.max_marker_residual_squares)
         best = max(best, agreeing, key=len)
     if len(best) < _LEAST_AGREEING or 2 * len(best) < len(np.unique(seen.number)):
         best = []
@@ -145,9 +145,9 @@ def corners_beside(placed: SeenMarkers, board: CharucoBoard) -> RoughCorners:
     q, axes = np.zeros((len(index), 2)), np.zeros((len(index), 2, 2))
     for n, corner in enumerate(index.astype(np.float64)):
         near, around = (np.flatnonzero(reach[n] < reach[n].min() + more) for more in (0.5, 2.5))
-        q[n] = _through(placed.corners[near], on_board[near], corner[None])[0]
+        q[n] = through_markers(placed.corners[near], on_board[near], corner[None])[0]
         steps = corner + 0.5 * np.array([[1, 0], [-1, 0], [0, 1], [0, -1]])
-        right, left, up, down = _through(placed.corners[around], on_board[around], steps)
+        right, left, up, down = through_markers(placed.corners[around], on_board[around], steps)
         axes[n] = np.stack([right - left, up - down], axis=-1)
     return RoughCorners(index, q, axes, reach.min(axis=1) < 1.0)
 
@@ -159,7 +159,7 @@ def _on_board(board: CharucoBoard) -> Float64[np.ndarray, "n 4 2"]:
     return squares
 
 
-def _through(
+def through_markers(
     q: Float64[np.ndarray, "k 4 2"],
     on_board: Float64[np.ndarray, "k 4 2"],
     wanted: Float64[np.ndarray, "n 2"],
@@ -194,7 +194,7 @@ def _goes_on(every: SeenMarkers, placed: SeenMarkers, board: CharucoBoard, setti
     return False
 
 
-def _agreeing(
+def agreeing_markers(
     seed: int, seen: SeenMarkers, on_board: Float64[np.ndarray, "n 4 2"], limit_squares: float
 ) -> list[int]:
     """Return the markers that agree with one, by number in `seen`; of one id the first that does."""
@@ -208,7 +208,7 @@ def _agreeing(
         if int(seen.number[k]) in taken:
             continue
         near = _nearest(placed, k, centre)
-        predicted = _through(seen.corners[near], on_board[near], on_board[k])
+        predicted = through_markers(seen.corners[near], on_board[near], on_board[k])
         side = np.linalg.norm(seen.corners[k] - np.roll(seen.corners[k], 1, axis=0), axis=1).mean()
         square = side / np.linalg.norm(on_board[k, 0] - on_board[k, 1])
         if np.abs(predicted - seen.corners[k]).max() > limit_squares * square:

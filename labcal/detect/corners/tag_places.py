@@ -1,0 +1,72 @@
+"""The tags of an AprilGrid that are where the grid has them, and the places of others beside them."""
+
+import numpy as np
+from jaxtyping import Float64
+
+from labcal.arrays import Pixels
+from labcal.detect.corners.marker_places import SeenMarkers, agreeing_markers, through_markers
+from labcal.detect.corners.tag_quads import SeenTags
+from labcal.detect.stage_settings.corner import CornerSettings
+from labcal.targets.april_grid import AprilGrid
+
+_SEEDS = 12
+_LEAST_AGREEING = 2
+_NEAREST = 3
+"""Tags in place that predict the next one."""
+
+
+def tag_corners(grid: AprilGrid) -> Float64[np.ndarray, "n 4 2"]:
+    """Return the corners of every tag on the board, in tags, anticlockwise from the lower left one."""
+    row, col = np.divmod(np.arange(grid.tag_count), grid.tag_cols)
+    lower_left = (1.0 + grid.tag_spacing) * np.stack([col, row], axis=-1)
+    return np.asarray(lower_left[:, None] + np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]))
+
+
+def tags_in_place(seen: SeenTags, grid: AprilGrid, settings: CornerSettings) -> dict[int, Pixels]:
+    """Return the tags that agree with one another on the grid: their corners by their number on it.
+
+    From one on, the next nearest one must be where its nearest neighbours in place predict it. The largest
+    such set counts; it holds two tags or more, and at least half of those with ids of the grid.
+
+    Parameters
+    ----------
+    seen : SeenTags
+    grid : AprilGrid
+    settings : CornerSettings
+    """
+    number = seen.number - grid.first_id
+    own = np.flatnonzero((number >= 0) & (number < grid.tag_count))
+    if len(own) == 0:
+        return {}
+    tags = SeenMarkers(number[own], seen.corners[own])
+    on_board = tag_corners(grid)[tags.number]
+    best: list[int] = []
+    for seed in sorted(set(np.linspace(0, len(own) - 1, _SEEDS).astype(int).tolist())):
+        if seed not in best:
+            limit = settings.max_marker_residual_squares * grid.tag_spacing
+            best = max(best, agreeing_markers(seed, tags, on_board, limit), key=len)
+    if len(best) < _LEAST_AGREEING or 2 * len(best) < len(np.unique(tags.number)):
+        return {}
+    return {int(tags.number[k]): tags.corners[k] for k in best}
+
+
+def expected_tags(placed: dict[int, Pixels], grid: AprilGrid) -> dict[int, Pixels]:
+    """Return where the tags next to those in place should be, px, by the homography of the nearest few.
+
+    Parameters
+    ----------
+    placed : dict of int to ndarray, shape (4, 2)
+        Corners of tags, px, by number.
+    grid : AprilGrid
+    """
+    on_board = tag_corners(grid)
+    known = sorted(placed)
+    found = {}
+    for number in range(grid.tag_count):
+        row, col = divmod(number, grid.tag_cols)
+        away = np.array([max(abs(k // grid.tag_cols - row), abs(k % grid.tag_cols - col)) for k in known])
+        if number in placed or away.min() > 1:
+            continue
+        near = [known[k] for k in np.argsort(away, kind="stable")[:_NEAREST]]
+        found[number] = through_markers(np.array([placed[k] for k in near]), on_board[near], on_board[number])
+    return found
