@@ -182,7 +182,7 @@ function show() {
     overlay(camera);
     const one = drawn[camera.name];
     one.root.classList.toggle("found", camera.found === true);
-    one.status.textContent = camera.found === null ? "" : camera.found ? (state.still ? "target found, still" : "target found") : "target not found";
+    one.status.textContent = camera.found === null ? (aiming || taking ? "looking for the target …" : "") : camera.found ? (state.still ? "target found, still" : "target found") : "target not found";
   }
   byId("meter").hidden = state.reached_mm === null || state.phase === "failed" || state.phase === "done";
   if (state.reached_mm !== null) {
