@@ -178,6 +178,7 @@ function show() {
     take: `View ${state.views + 1}`, calibrate: "Calibrating", done: "Calibrated", failed: "Stopped"}[state.phase];
   byId("cameras").hidden = state.phase === "done" || state.phase === "calibrate" || state.phase === "failed";
   byId("cameras").classList.toggle("several", state.cameras.length > 1);
+  byId("cameras").classList.toggle("many", state.cameras.length > 2);
   for (const camera of state.cameras) {
     overlay(camera);
     const one = drawn[camera.name];
