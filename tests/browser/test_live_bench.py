@@ -1,4 +1,4 @@
-"""What happens at a bench: views taken back, two browsers, a page loaded again, Ctrl-C, files that come late."""
+"""At the bench: views taken back, two browsers, a page loaded again, Ctrl-C, files that come late."""
 
 from pathlib import Path
 from typing import Any
@@ -68,8 +68,8 @@ def test_views_are_taken_back_before_two_browsers_and_ctrl_c_leaves_a_shoot(
         box = second.page.locator("#bar").bounding_box()
         assert box["height"] <= MOST_BAR * PHONE["height"]
         assert second.page.evaluate("document.documentElement.scrollWidth") == PHONE["width"]
-        cut = "[...document.querySelectorAll('#bar > *')].filter((one) => one.scrollWidth > one.clientWidth + 1)"
-        assert second.page.evaluate(f"{cut}.map((one) => one.id)") == []
+        cut = "(all) => all.filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.id)"
+        assert second.page.locator("#bar > *").evaluate_all(cut) == []
 
         kept = names(shoot)
         running.interrupt()

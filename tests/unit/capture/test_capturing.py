@@ -109,7 +109,7 @@ class TakesBack:
     def __init__(self, *, called_away: bool) -> None:
         self.called_away = called_away
 
-    def wait(self, request: str, views: tuple[str, ...]) -> bool | DropView:
+    def wait(self, request: str, views: tuple[str, ...]) -> bool | DropView:  # noqa: ARG002 -- the interface
         if self.called_away and views == ("b",):
             raise KeyboardInterrupt
         return DropView("a") if views == ("a", "b") else True
