@@ -46,6 +46,13 @@ def browser() -> Iterator[Any]:
         running.close()
 
 
+@pytest.fixture(scope="session")
+def compiled_detector(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Have the detector compiled before a page waits for it: half a minute, much longer on a busy machine."""
+    shoot = examples.shoot(tmp_path_factory.mktemp("compiled") / "shoot", views=1)
+    pipeline.detect(shoot)
+
+
 @dataclass
 class Opened:
     """A page, and what went wrong in it."""

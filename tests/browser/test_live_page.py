@@ -1,19 +1,16 @@
 """The live page of a capture in a real browser, from opening it to the calibrated rig."""
 
 import json
-import re
-import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import httpx
 import numpy as np
 import pytest
+from live_commands import LiveCommand, live_command, live_page
 from live_stand_ins import LiveCameras
 
 from labcal.capture.addresses import parse_address, source_at
@@ -27,6 +24,7 @@ from labcal.live.operator import Operator
 from labcal.live.server import served
 from labcal.run.progress import NoProgress
 
+pytestmark = pytest.mark.usefixtures("compiled_detector")
 SCENE = ("sim:webcam-handheld", "--set", "spp=4")
 LEAST_RATE = 5.0
 MEGAPIXEL = (1280, 960)
@@ -34,58 +32,18 @@ MINUTE_S, REQUESTS = 60.0, 1000
 MOST_GROWTH_MB = 4.0
 
 
-@dataclass
-class Running:
-    process: "subprocess.Popen[str]"
-    address: str
-    folder: Path
-
-    def memory_mb(self) -> float:
-        status = Path(f"/proc/{self.process.pid}/status").read_text(encoding="ascii")
-        found = re.search(r"VmRSS:\s+(\d+)", status)
-        assert found is not None
-        return int(found.group(1)) / 1024
-
-    def ended(self, timeout_s: float = 60.0) -> dict[str, Any]:
-        """Return the document of the command."""
-        assert self.process.stdout is not None
-        self.process.wait(timeout_s)
-        document: dict[str, Any] = json.loads(self.process.stdout.read())
-        return document
-
-
 @pytest.fixture
-def running(tmp_path: Path) -> Iterator[Running]:
+def running(tmp_path: Path) -> Iterator[LiveCommand]:
     """A capture of simulated cameras on the page."""
-    words = ["capture", *SCENE, "--page", "-o", "shoot", "--json"]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "labcal", *words],
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    assert process.stderr is not None
-    address = next(found.group(0) for line in process.stderr if (found := re.search(r"http\S+", line)))
-    rest = threading.Thread(target=process.stderr.read)
-    rest.start()
-    yield Running(process, address, tmp_path)
-    process.terminate()
-    process.wait(30)
-    rest.join()
-    assert process.stdout is not None
-    process.stdout.close()
-    process.stderr.close()
+    with live_command(tmp_path, SCENE) as begun:
+        yield begun
 
 
 @pytest.mark.slow
-def test_from_opening_the_page_to_the_calibrated_rig(running: Running, browser: Any) -> None:  # noqa: ANN401
+def test_from_opening_the_page_to_the_calibrated_rig(running: LiveCommand, browser: Any) -> None:  # noqa: ANN401
     context = browser.new_context(viewport={"width": 820, "height": 1180})
-    page, errors = context.new_page(), list[str]()
-    page.on("console", lambda said: said.type == "error" and errors.append(said.text))
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.goto(running.address)
-    page.wait_for_selector("body[data-phase=aim]", timeout=120_000)
+    opened = live_page(context, running.address)
+    page, errors = opened.page, opened.errors
     assert "token" not in page.url
     assert page.is_disabled("#finish")
     page.wait_for_selector(".camera.found", timeout=120_000)
@@ -121,7 +79,7 @@ def test_from_opening_the_page_to_the_calibrated_rig(running: Running, browser: 
 
 
 @pytest.mark.slow
-def test_requests_leave_the_memory_as_it_is(running: Running) -> None:
+def test_requests_leave_the_memory_as_it_is(running: LiveCommand) -> None:
     base, token = running.address.split("/?token=")
     with httpx.Client(base_url=base, headers={"Authorization": f"Bearer {token}"}, timeout=60) as client:
         while client.get("/state").json()["phase"] != "aim":

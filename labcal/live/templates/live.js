@@ -181,11 +181,12 @@ function show() {
     take: `View ${state.views + 1}`, calibrate: "Calibrating", done: "Calibrated", failed: "Stopped"}[state.phase];
   byId("cameras").hidden = state.phase === "done" || state.phase === "calibrate" || state.phase === "failed";
   byId("cameras").classList.toggle("several", state.cameras.length > 1);
+  byId("cameras").classList.toggle("many", state.cameras.length > 2);
   for (const camera of state.cameras) {
     overlay(camera);
     const one = drawn[camera.name];
     one.root.classList.toggle("found", camera.found === true);
-    one.status.textContent = camera.found === null ? "" : camera.found ? (state.still ? "target found, still" : "target found") : "target not found";
+    one.status.textContent = camera.found === null ? (aiming || taking ? "looking for the target …" : "") : camera.found ? (state.still ? "target found, still" : "target found") : "target not found";
   }
   byId("meter").hidden = state.reached_mm === null || state.phase === "failed" || state.phase === "done";
   if (state.reached_mm !== null) {

@@ -5,14 +5,17 @@ import numpy as np
 import pytest
 from capture_stand_ins import SIZE, StandIn, frame_set, picture
 
+from labcal.capture.addresses import parse_address, source_at
+from labcal.capture.attendant import DropView
 from labcal.capture.capturing import Captured, CaptureRun, capture_shoot
-from labcal.capture.settings import CaptureSettings
+from labcal.capture.settings import CaptureSettings, SourceSettings
 from labcal.capture.source import Frame, FrameSet
 from labcal.capture.stage import StageView
 from labcal.errors import DeviceError, InputError
 from labcal.run.progress import NoProgress
 from labcal.shoot.dataset import open_shoot
 from labcal.shoot.manifest import Role
+from labcal.shoot.pictures import write_picture
 
 
 def taken(source: StandIn, folder: Path, settings: CaptureSettings | None = None, **more: object) -> Captured:
@@ -98,3 +101,46 @@ def test_a_shoot_without_a_target_asks_for_its_name(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="Name it"):
         _ = shoot.target
     assert "target=None" in repr(shoot)
+
+
+class TakesBack:
+    """An attendant who takes two views, takes the first one back, and is called away if he is told to."""
+
+    def __init__(self, *, called_away: bool) -> None:
+        self.called_away = called_away
+
+    def wait(self, request: str, views: tuple[str, ...]) -> bool | DropView:  # noqa: ARG002 -- the interface
+        if self.called_away and views == ("b",):
+            raise KeyboardInterrupt
+        return DropView("a") if views == ("a", "b") else True
+
+    def dropped(self, view: str) -> None:
+        pass
+
+    def heard(self, taken: FrameSet, view: str | None, reasons: tuple[str, ...]) -> None:
+        pass
+
+
+@pytest.mark.parametrize("called_away", [False, True])
+def test_a_replay_does_not_deliver_again_a_view_that_was_taken_back(
+    tmp_path: Path, *, called_away: bool
+) -> None:
+    names = [f"{view}_{camera}.png" for view in "abc" for camera in ("left", "right")]
+    (tmp_path / "recording").mkdir()
+    for number, name in enumerate(names):
+        write_picture(tmp_path / "recording" / name, picture(number))
+    settings = CaptureSettings(source_settings=SourceSettings(cameras="_left=left,_right=right"))
+
+    def replayed() -> Captured:
+        source = source_at(parse_address(f"folder:{tmp_path / 'recording'}"), settings.source_settings)
+        run = CaptureRun("capture", None, (), settings, None, attendant=TakesBack(called_away=called_away))
+        return capture_shoot(source, tmp_path / "shoot", run, NoProgress())
+
+    if called_away:
+        with pytest.raises(KeyboardInterrupt):
+            replayed()
+        assert [view.name for view in open_shoot(tmp_path / "shoot").views()] == ["b"]
+        called_away = False
+    captured = replayed()
+    assert [view.name for view in captured.shoot.views()] == ["b", "c"]
+    assert json.loads((tmp_path / "shoot" / "capture.json").read_text())["dropped"] == ["a"]
