@@ -13,7 +13,6 @@ from labcal.detect.corners.corner_kernel import (
     LIGHT_KNOWN,
     PARAMETERS,
     FitLimits,
-    rms_residual,
     settled,
 )
 from labcal.detect.corners.corner_model import CornerPixels
@@ -130,7 +129,7 @@ def _first_fit(
         return False, state, window, 0.0
     _begin(state, window[2], (axes, around.white, blur))
     pixels = (window[1], window[2], window[3], bend, CHESSBOARD)
-    if not settled(state, pixels, (own.first_tolerance_px, PARAMETERS), newton):
+    if settled(state, pixels, (own.first_tolerance_px, PARAMETERS), newton) < 0.0:
         return False, state, window, 0.0
     # What is left out around markers follows the blur, now that it is known.
     blur = max(state[4], state[5])
@@ -138,7 +137,8 @@ def _first_fit(
     if len(window[2]) < own.min_pixels:
         return False, state, window, 0.0
     pixels = (window[1], window[2], window[3], bend, CHESSBOARD)
-    if not settled(state, pixels, (own.tolerance_px, PARAMETERS), newton):
+    rms = settled(state, pixels, (own.tolerance_px, PARAMETERS), newton)
+    if rms < 0.0:
         return False, state, window, 0.0
     square = sqrt(abs(axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0]))
     x, y, margin = centre[0] + state[0], centre[1] + state[1], own.frame_margin_px
@@ -150,7 +150,7 @@ def _first_fit(
         and x <= grey.shape[1] - 1 - margin
         and y <= grey.shape[0] - 1 - margin
     )
-    return ok, state, window, rms_residual(state, pixels) if ok else 0.0
+    return ok, state, window, rms
 
 
 @compiled
@@ -195,19 +195,20 @@ def widen(
     """
     state = first.copy()
     state[:2] = 0.0
-    blur, narrow = max(first[4:6].tolist()), around.narrow
+    blur, narrow = max(float(first[4]), float(first[5])), narrowest(around.axes)
     guard = settings.marker_guard_blurs * blur / narrow
     mask, offset, value, gap = window_arrays(grey, (around.centre, around.axes), around.limits, guard)
     mask, offset, value = near_edges((mask, offset, value), state, settings.edge_blurs)
     window = CornerPixels(mask, offset, value, gap, CHESSBOARD, around.bend)
-    if not settle(state, window, settings.first_tolerance_px, settings):
+    rms = settle(state, window, settings.first_tolerance_px, settings)
+    if rms < 0.0:
         return None
     x, y, _, _, blur_1, blur_2, _, half, _, _ = state.tolist()
     if half <= 0 or max(blur_1, blur_2) > settings.max_blur_squares * narrow:
         return None
     if hypot(x, y) > settings.max_refit_blurs * blur:
         return None
-    return SettledCorner(state, window, around.centre, rms_residual(state, window.arrays) / (2.0 * half))
+    return SettledCorner(state, window, around.centre, rms / (2.0 * half))
 
 
 def with_known_light(
@@ -232,9 +233,9 @@ def with_known_light(
     # The model's light is 1 where the fit began: the slope at the corner is over the level there.
     state[8:] = slope / (1.0 - slope @ state[:2])
     window = replace(wide.window, bend=bend)
-    if not settle(state, window, settings.tolerance_px, settings, LIGHT_KNOWN) or state[7] <= 0:
+    rms = settle(state, window, settings.tolerance_px, settings, LIGHT_KNOWN)
+    if rms < 0.0 or state[7] <= 0:
         return None
-    rms = rms_residual(state, window.arrays)
     return SettledCorner(state, window, wide.start, rms / (2.0 * float(state[7])), LIGHT_KNOWN)
 
 
@@ -250,10 +251,13 @@ def settle(
     tolerance: float,
     settings: CornerSettings,
     free: int = PARAMETERS,
-) -> bool:
-    """Iterate a state, in place, to the least squares (Gauss-Newton); tell whether it converges."""
+) -> float:
+    """Iterate a state, in place, to the least squares; return the residuals' root mean square, or -1.
+
+    -1 is returned where there are too few pixels, or the state runs away.
+    """
     if len(window.value) < settings.min_pixels:
-        return False
+        return -1.0
     return settled(state, window.arrays, (tolerance, free), settings.limits(FitLimits))
 
 

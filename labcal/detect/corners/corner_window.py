@@ -7,9 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from labcal.detect.compiled import compiled
-from labcal.detect.corners.corner_kernel import CHESSBOARD
-from labcal.detect.corners.corner_model import CornerPixels
-from labcal.detect.grey import GreyPicture
 
 
 @dataclass(frozen=True)
@@ -46,11 +43,6 @@ class Surroundings:
     bend: np.ndarray = field(default_factory=lambda: np.zeros(2))
 
     @property
-    def narrow(self) -> float:
-        """The least length of a step of one square in the picture, px: the smaller singular value."""
-        return narrowest(self.axes)
-
-    @property
     def limits(self) -> "WindowLimits":
         """The same for compiled code."""
         return WindowLimits(float(self.white), self.gap, self.clear, self.reach, self.share)
@@ -64,21 +56,6 @@ class WindowLimits(NamedTuple):
     clear: float
     reach: float
     share: float
-
-
-def corner_window(grey: GreyPicture, around: Surroundings, guard: float) -> CornerPixels:
-    """Select the pixels around a corner that belong to its own edges.
-
-    Parameters
-    ----------
-    grey : ndarray, shape (h, w)
-        The picture.
-    around : Surroundings
-    guard : float
-        Distance kept from markers, in squares.
-    """
-    mask, offset, value, gap = window_arrays(grey, (around.centre, around.axes), around.limits, guard)
-    return CornerPixels(mask, offset, value, gap, CHESSBOARD, around.bend)
 
 
 @compiled
@@ -100,8 +77,10 @@ def window_arrays(
     centre, axes = place
     height, width = grey.shape
     x, y, reach = centre[0], centre[1], limits.reach
-    left, top = max(int(ceil(x - reach)), 0), max(int(ceil(y - reach)), 0)
-    right, bottom = min(int(floor(x + reach)), width - 1), min(int(floor(y + reach)), height - 1)
+    across = min(reach, limits.share * (abs(axes[0, 0]) + abs(axes[0, 1])))
+    down = min(reach, limits.share * (abs(axes[1, 0]) + abs(axes[1, 1])))
+    left, top = max(int(ceil(x - across)), 0), max(int(ceil(y - down)), 0)
+    right, bottom = min(int(floor(x + across)), width - 1), min(int(floor(y + down)), height - 1)
     wide, high = max(right - left + 1, 0), max(bottom - top + 1, 0)
     mask = np.zeros((high, wide), dtype=np.bool_)
     offset, value = np.empty((2, high * wide)), np.empty(high * wide)

@@ -44,7 +44,7 @@ def wave_powers(
         Means over both axes; for weights whose noise has the power 1 where a fit takes none of it.
     """
     residual, jacobian, factor = fit
-    n, free = len(residual), len(jacobian)
+    n = len(residual)
     farthest = distance.max()
     tests = np.empty((2 * WAVES, n))
     for k in range(n):
@@ -56,15 +56,18 @@ def wave_powers(
                 tests[2 * number + axis, k] = wave * gain[axis, k]
             before, wave = wave, 2.0 * first * wave - before
     taken = tests @ jacobian.T
+    for test in range(2 * WAVES):
+        solve(factor, taken[test])
+    left = tests - taken @ jacobian
     powers = np.zeros((WAVES, 2))
     for test in range(2 * WAVES):
-        share = taken[test, :free].copy()
-        solve(factor, share)
-        left = tests[test] - share @ jacobian
-        size = (tests[test] * tests[test] * variance).sum()
-        seen = (left * residual).sum()
+        size = seen = expected = 0.0
+        for k in range(n):
+            size += tests[test, k] * tests[test, k] * variance[k]
+            seen += left[test, k] * residual[k]
+            expected += left[test, k] * left[test, k] * variance[k]
         powers[test // 2, 0] += 0.5 * seen * seen / size
-        powers[test // 2, 1] += 0.5 * (left * left * variance).sum() / size
+        powers[test // 2, 1] += 0.5 * expected / size
     return powers
 
 

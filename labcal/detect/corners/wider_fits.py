@@ -49,7 +49,8 @@ def wider_fits(
     """
     nodes = list(fits)
     grid, places = NodeGrid.of(nodes), np.array([fit.centre for fit in fits.values()])
-    bends = edge_bends(grid.spread(places))[grid.at]
+    states = np.array([fit.state for fit in fits.values()])
+    bends = _across(edge_bends(grid.spread(places))[grid.at], states)
     steps = _steps(grid.spread(places), grid.spread(np.array([surroundings[node].axes for node in nodes])))
     steps = steps[grid.at]
     wide: dict[Node, SettledCorner] = {}
@@ -64,7 +65,7 @@ def wider_fits(
             axes=steps[k],
             reach=settings.max_reach_px,
             share=settings.wide_reach_squares,
-            bend=_across(bends[k], fit.state),
+            bend=bends[k],
         )
         found = widen(grey, near, fit.state, settings)
         if found is not None:
@@ -74,22 +75,27 @@ def wider_fits(
     if not wide:
         return final
     grid, places = NodeGrid.of(list(wide)), np.array([one.centre for one in wide.values()])
-    bends, slopes = edge_bends(grid.spread(places))[grid.at], _slopes(grid, places, wide)
+    states = np.array([one.state for one in wide.values()])
+    bends = _across(edge_bends(grid.spread(places))[grid.at], states)
+    slopes = _slopes(grid, places, wide)
     for k, (node, one) in enumerate(wide.items()):
         if np.isnan(bends[k]).any() or np.isnan(slopes[k]).any():
             final[node] = fits[node]
             continue
-        known = with_known_light(one, slopes[k], _across(bends[k], one.state), settings)
+        known = with_known_light(one, slopes[k], bends[k], settings)
         if known is not None:
             final[node] = known
     return final
 
 
-def _across(bends: np.ndarray, state: np.ndarray) -> np.ndarray:
-    """Return how much the edges of a fit bend towards their normals, of vectors along x and along y, 1/px."""
+def _across(bends: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return how much the edges of fits bend towards their normals, 1/px, shape (n, 2).
+
+    `bends` (n, 2, 2) holds their vectors of curvature along x and along y.
+    """
     # The first normal is that of the edge along y, the second one that of the edge along x.
-    normals = np.stack([np.cos(state[2:4]), np.sin(state[2:4])], axis=-1)
-    return np.asarray((normals * bends[::-1]).sum(axis=1))
+    normals = np.stack([np.cos(states[:, 2:4]), np.sin(states[:, 2:4])], axis=-1)
+    return np.asarray((normals * bends[:, ::-1]).sum(axis=-1))
 
 
 def _clear(wide: dict[Node, SettledCorner], factor: float) -> dict[Node, SettledCorner]:
