@@ -107,7 +107,7 @@ def _without_tone(residual: np.ndarray, board: np.ndarray, tone_levels: int) -> 
     level = np.empty(len(board), dtype=np.int64)
     total, count = np.zeros(4 * tone_levels + 1), np.zeros(4 * tone_levels + 1)
     for k in range(len(board)):
-        at = int(floor(tone_levels * board[k] + 0.5)) + 2 * tone_levels
+        at = floor(tone_levels * board[k] + 0.5) + 2 * tone_levels
         level[k] = min(max(at, 0), 4 * tone_levels)
         total[level[k]] += residual[k]
         count[level[k]] += 1.0
@@ -123,7 +123,8 @@ def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
     away = board - middle
     spread = (away * away).sum()
     slope = (away * squares).sum() / spread if spread > 0.0 else 0.0
-    return np.maximum(mean + slope * away, least * mean)
+    variance: np.ndarray = np.maximum(mean + slope * away, least * mean)
+    return variance
 
 
 @compiled
@@ -155,7 +156,9 @@ def _add_products(
                 there = number[j + down, i + lag - down * (2 * REACH + 1) - REACH]
                 if there < 0:
                     continue
-                sums[lag, 2] += jacobian[0, here] * jacobian[0, there] + jacobian[1, here] * jacobian[1, there]
+                sums[lag, 2] += (
+                    jacobian[0, here] * jacobian[0, there] + jacobian[1, here] * jacobian[1, there]
+                )
                 if flat and off_edges[there] > flat_blurs:
                     sums[lag, 0] += 1.0
                     sums[lag, 1] += residual[here] * residual[there]

@@ -21,8 +21,8 @@ _NODES_12, _WEIGHTS_12 = (np.ascontiguousarray(part) for part in np.polynomial.l
 _NODES_20, _WEIGHTS_20 = (np.ascontiguousarray(part) for part in np.polynomial.legendre.leggauss(20))
 _FEW, _MORE = 0.75, 0.95
 """Correlations up to which 6 and 12 nodes leave errors below 1e-8."""
-_NOTHING = 14.0
-"""exp(-14) of the board's step is nothing."""
+_NOTHING = 16.0
+"""exp(-16) of the board's step is nothing."""
 _STRAIGHT = 6.0
 """So many blurs from an edge nothing is left of its profile."""
 _FAR = 9.0
@@ -75,18 +75,16 @@ def _board_at(a: float, b: float, correlation: float, rule: np.ndarray, out: np.
     """
     squares, product = 0.5 * (a * a + b * b), a * b
     if (1.0 - abs(correlation)) * squares > _NOTHING:
-        # Beside the corner: one straight edge.
+        # Beside the corner: a straight edge, and hardly anything of the other one.
         out[:] = 0.0
         up_a, up_b = (1.0 if a > 0.0 else -1.0), (1.0 if b > 0.0 else -1.0)
-        away = min(abs(a), abs(b))
         out[0] = up_a * up_b
-        if away < _STRAIGHT:
-            out[0] *= erf(away / sqrt(2.0))
-            slope = sqrt(2.0 / pi) * exp(-0.5 * away * away)
-            if abs(a) < abs(b):
-                out[1] = slope * up_b
-            else:
-                out[2] = slope * up_a
+        if abs(a) < _STRAIGHT:
+            out[0] *= erf(abs(a) / sqrt(2.0))
+            out[1] = sqrt(2.0 / pi) * exp(-0.5 * a * a) * up_b
+        if abs(b) < _STRAIGHT:
+            out[0] *= erf(abs(b) / sqrt(2.0))
+            out[2] = sqrt(2.0 / pi) * exp(-0.5 * b * b) * up_a
         return
     other2 = 1.0 - correlation * correlation
     other = sqrt(other2)

@@ -79,8 +79,8 @@ def window_arrays(
     x, y, reach = centre[0], centre[1], limits.reach
     across = min(reach, limits.share * (abs(axes[0, 0]) + abs(axes[0, 1])))
     down = min(reach, limits.share * (abs(axes[1, 0]) + abs(axes[1, 1])))
-    left, top = max(int(ceil(x - across)), 0), max(int(ceil(y - down)), 0)
-    right, bottom = min(int(floor(x + across)), width - 1), min(int(floor(y + down)), height - 1)
+    left, top = max(ceil(x - across), 0), max(ceil(y - down), 0)
+    right, bottom = min(floor(x + across), width - 1), min(floor(y + down), height - 1)
     wide, high = max(right - left + 1, 0), max(bottom - top + 1, 0)
     mask = np.zeros((high, wide), dtype=np.bool_)
     offset, value = np.empty((2, high * wide)), np.empty(high * wide)
@@ -97,12 +97,7 @@ def window_arrays(
             up = (axes[0, 0] * dy - axes[1, 0] * dx) / det
             nearest, farthest = min(abs(along), abs(up)), max(abs(along), abs(up))
             marked = along * up * limits.white > 0.0 and nearest > limits.gap - guard
-            if (
-                marked
-                or nearest > limits.clear - guard
-                or farthest >= limits.share
-                or hypot(dx, dy) >= reach
-            ):
+            if marked or nearest > limits.clear - guard or farthest >= limits.share or hypot(dx, dy) >= reach:
                 continue
             mask[j, i] = True
             offset[0, n], offset[1, n], value[n] = dx, dy, grey[top + j, left + i]

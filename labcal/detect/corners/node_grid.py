@@ -51,7 +51,9 @@ def median_around(grid: np.ndarray, reach: int) -> np.ndarray:
     """Return the medians of the values (a, b, ...) that there are up to `reach` nodes away; NaN for none."""
     ordered = np.sort(around(grid, reach), axis=0)  # NaN last
     count = np.isfinite(ordered).sum(axis=0, keepdims=True)
-    low, high = (np.take_along_axis(ordered, np.maximum(k, 0), axis=0) for k in ((count - 1) // 2, count // 2))
+    low, high = (
+        np.take_along_axis(ordered, np.maximum(k, 0), axis=0) for k in ((count - 1) // 2, count // 2)
+    )
     return np.asarray(np.where(count > 0, 0.5 * (low + high), np.nan)[0])
 
 
