@@ -177,7 +177,7 @@ class _Search:
     board: SquareBoard
     settings: CornerSettings
     black: np.ndarray
-    """Which squares above and to the right of corners are black, shape (cols, rows)."""
+    """Black squares, by the corner to whose upper right they lie, shape (cols, rows)."""
 
     @classmethod
     def of(cls, grey: GreyPicture, board: SquareBoard, settings: CornerSettings) -> "_Search":

@@ -14,7 +14,7 @@ Limits = TypeVar("Limits")
 
 @cache
 def _fields(kind: Callable[..., object]) -> Callable[[object], tuple[object, ...]]:
-    """Return what takes the fields of a named tuple, two at least, from settings."""
+    """Return a function from settings to their values for a named tuple of two fields or more."""
     return attrgetter(*vars(kind)["_fields"])
 
 
