@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from labcal.arrays import Pixels
-from labcal.detect.corners.corner_fit import CornerFit
+from labcal.detect.corners.corner_fit import SettledCorner
 from labcal.detect.corners.corners import Corners, Standard
 from labcal.detect.corners.markers_elsewhere import ranges
 from labcal.detect.corners.picture_corners import picture_corners
@@ -174,7 +174,7 @@ def _clear(corners: Corners, factor: float) -> list[bool]:
 
 def _fits(
     grey: GreyPicture, grid: AprilGrid, quad: Pixels, settings: DetectSettings
-) -> list[CornerFit | None]:
+) -> list[SettledCorner | None]:
     """Return the fits of a tag's four corners."""
     cells = opencv_dictionary(grid.dictionary).markerSize + 2 * grid.border_cells
     return [
@@ -192,7 +192,7 @@ def _fits(
     ]
 
 
-def _refined(quad: Pixels, fits: list[CornerFit | None]) -> Pixels:
+def _refined(quad: Pixels, fits: list[SettledCorner | None]) -> Pixels:
     """Return a tag's corners, each as fitted where it is."""
     return np.array([q if fit is None else fit.centre for q, fit in zip(quad, fits, strict=True)])
 

@@ -12,6 +12,12 @@ _CORNERS: tuple[Node, ...] = ((0, 0), (1, 0), (1, 1), (0, 1))
 _OUTER = 0.55
 """Of the way from the middle of a cell to its corners: as far from the mark as from the next squares."""
 
+_INNER_PATCH, _OUTER_PATCH = 0.12, 0.08
+"""Half the side of the patches whose mean level is taken, of the cell's: within a mark, and beside it."""
+_SAMPLES = np.linspace(-1.0, 1.0, 5)
+_HALF = 0.5
+"""Of a cell's corners, which tell its colour."""
+
 
 def read_marks(
     lattice: Lattice, saddles: Saddles, grey: GreyPicture, settings: SaddleSettings
@@ -34,9 +40,15 @@ def read_marks(
     q = saddles.place[corner]
     middle = _crossing(q)
     outside = middle[:, None] + _OUTER * (q - middle[:, None])
-    inner, outer = _levels(grey, middle[:, None])[:, 0], _levels(grey, outside)
+    along, up = _steps(q)
+    inner = _levels(grey, middle[:, None], _INNER_PATCH * along, _INNER_PATCH * up)[:, 0]
+    outer = _levels(grey, outside, _OUTER_PATCH * along, _OUTER_PATCH * up)
     step = np.median(saddles.step[corner], axis=1)
-    contrast = np.abs(inner - outer.mean(axis=1)) / step
+    way = middle[:, None] - q
+    white = saddles.is_white(corner, np.arctan2(way[..., 1], way[..., 0])).mean(axis=1) > _HALF
+    contrast = np.where(white, 1.0, -1.0) * (outer.mean(axis=1) - inner) / step
+    # Blur takes the next squares into what is beside a mark: plain squares are below nothing.
+    contrast -= min(float(np.median(contrast)), 0.0)
     even = np.ptp(outer, axis=1) < settings.mark_contrast * step
     marked = (contrast > settings.mark_contrast) & even
     plain = (contrast < settings.plain_contrast) & even
@@ -54,6 +66,18 @@ def _crossing(q: np.ndarray) -> np.ndarray:
     return np.asarray(q[:, 0] + share[:, None] * first)
 
 
-def _levels(picture: GreyPicture, q: np.ndarray) -> np.ndarray:
-    """Return the interpolated levels at places (..., 2), px."""
-    return np.asarray(map_coordinates(picture, [q[..., 1], q[..., 0]], order=1, mode="nearest"))
+def _steps(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the mean sides of cells (n, 4, 2) along both axes, shape (n, 1, 2)."""
+    along = 0.5 * (q[:, 1] - q[:, 0] + q[:, 2] - q[:, 3])
+    up = 0.5 * (q[:, 3] - q[:, 0] + q[:, 2] - q[:, 1])
+    return along[:, None], up[:, None]
+
+
+def _levels(picture: GreyPicture, q: np.ndarray, along: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """Return the mean levels around places (n, k, 2), px: interpolated, over a patch against the noise.
+
+    `along` and `up` (n, 1, 2) are half the patch's sides.
+    """
+    places = np.array([q + i * along + j * up for i in _SAMPLES for j in _SAMPLES])
+    at = [places[..., 1], places[..., 0]]
+    return np.asarray(map_coordinates(picture, at, order=1, mode="nearest").mean(axis=0))

@@ -1,11 +1,11 @@
 """The picture of one corner, of a chessboard or of a tag: two blurred edges, with the light's slope."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.detect.corners.corner_kernel import CHESSBOARD, PARAMETERS, fill_jacobian
+from labcal.detect.corners.corner_kernel import CHESSBOARD, PARAMETERS, Pixels, fill_jacobian
 
 
 @dataclass(frozen=True)
@@ -37,18 +37,9 @@ class CornerPixels:
     bend: np.ndarray = field(default_factory=lambda: np.zeros(2))
 
     @property
-    def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]:
+    def arrays(self) -> Pixels:
         """The same for compiled code."""
         return np.ascontiguousarray(self.offset), self.value, self.gap, self.bend, self.pattern
-
-    def along_edges(self, state: np.ndarray, blurs: float) -> "CornerPixels":
-        """Return the pixels that are so near to an edge, in blurs: the others tell of the light alone."""
-        away = self.offset - state[:2, None]
-        normals = np.stack([np.cos(state[2:4]), np.sin(state[2:4])], axis=-1)
-        near = (np.abs(normals @ away) < blurs * state[4:6, None]).any(axis=0)
-        mask = self.mask.copy()
-        mask[self.mask] = near
-        return replace(self, mask=mask, offset=self.offset[:, near], value=self.value[near])
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from labcal.arrays import Pixels
-from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
+from labcal.detect.corners.corner_fit import SettledCorner, fit_corner
+from labcal.detect.corners.corner_window import Surroundings
 from labcal.detect.corners.wider_fits import wider_fits
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice, Node
@@ -30,8 +31,8 @@ class Corners:
         (col, row).
     seen_at : ndarray, shape (n, 2)
         Where they are, px: as fitted, or roughly.
-    fits : list of CornerFit or None, length n
-        None where a corner is not measured.
+    fits : list of SettledCorner or None, length n
+        Their fits; None where a corner is not measured.
     axes : ndarray, shape (n, 2, 2), or None
         Columns: one square along x and y at every corner, px; None where that is to be found from the
         corners.
@@ -39,7 +40,7 @@ class Corners:
 
     index: Int[np.ndarray, "n 2"]
     seen_at: Pixels
-    fits: list[CornerFit | None]
+    fits: list[SettledCorner | None]
     axes: Float64[np.ndarray, "n 2 2"] | None = None
 
     @classmethod
@@ -66,7 +67,7 @@ class Standard:
     step: float
 
     @classmethod
-    def of(cls, fits: list[CornerFit | None]) -> "Standard":
+    def of(cls, fits: list[SettledCorner | None]) -> "Standard":
         """Return the medians."""
         sound = [fit for fit in fits if fit is not None]
         return cls(
@@ -74,7 +75,7 @@ class Standard:
             float(np.median([fit.step for fit in sound] or [0.0])),
         )
 
-    def met_by(self, fit: CornerFit | None, settings: CornerSettings) -> CornerFit | None:
+    def met_by(self, fit: SettledCorner | None, settings: CornerSettings) -> SettledCorner | None:
         """Return the fit if it is about as good as the others."""
         if fit is None or fit.step < settings.min_step_share * self.step:
             return None
@@ -92,7 +93,7 @@ def measured_corners(
     """
     if not rough.spans_a_plane():
         return rough
-    search = _Search(grey, board, settings.corner)
+    search = _Search.of(grey, board, settings.corner)
     axes_all = _axes(rough) if rough.axes is None else rough.axes
     fits = [
         fit_corner(grey, search.surroundings((int(i), int(j)), place, axes), settings.corner)
@@ -141,7 +142,7 @@ def widened_corners(
     fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
     if not corners.spans_a_plane() or not fits:
         return corners
-    search = _Search(grey, board, settings)
+    search = _Search.of(grey, board, settings)
     around = {
         node: search.surroundings(node, place, axes)
         for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
@@ -175,8 +176,16 @@ class _Search:
     grey: GreyPicture
     board: SquareBoard
     settings: CornerSettings
+    black: np.ndarray
+    """Black squares, by the corner to whose upper right they lie, shape (cols, rows)."""
 
-    def fit_at(self, node: Node, prediction: Prediction) -> CornerFit | None:
+    @classmethod
+    def of(cls, grey: GreyPicture, board: SquareBoard, settings: CornerSettings) -> "_Search":
+        """Return the search in a picture."""
+        i, j = np.indices((board.cols, board.rows)).reshape(2, -1) + 1
+        return cls(grey, board, settings, board.is_black(i, j).reshape(board.cols, board.rows))
+
+    def fit_at(self, node: Node, prediction: Prediction) -> SettledCorner | None:
         """Return the fit of a corner where its neighbours predict it, if it is one."""
         around = self.surroundings(node, prediction.position, prediction.steps)
         fit = fit_corner(self.grey, around, self.settings)
@@ -188,12 +197,12 @@ class _Search:
 
     def surroundings(self, node: Node, place: np.ndarray, axes: np.ndarray) -> Surroundings:
         """Return what lies around a corner of the board."""
-        board, upper_right = self.board, (np.array([node[0] + 1]), np.array([node[1] + 1]))
+        board = self.board
         reach = float(np.sqrt(self.settings.reach_bend_px * max(self.grey.shape)))
         return Surroundings(
             centre=place,
             axes=axes,
-            white=-1 if board.is_black(*upper_right)[0] else 1,
+            white=-1 if self.black[node] else 1,
             gap=board.corner_gap,
             clear=board.clear_reach(*node),
             reach=max(self.settings.min_reach_px, reach),

@@ -2,52 +2,31 @@
 
 import numpy as np
 
-from labcal.arrays import Pixels
-from labcal.detect.lattice.lattice import Node
+from labcal.detect.corners.node_grid import ahead, behind, median_around
 
 _NEAR = 1
 """Nodes to either side whose curvatures have one median, against the corners' noise."""
 
 
-def edge_bends(places: dict[Node, np.ndarray]) -> dict[Node, Pixels]:
-    """Return vectors of curvature of the edges along x and along y at corners, 1/px, shape (2, 2).
+def edge_bends(places: np.ndarray) -> np.ndarray:
+    """Return vectors of curvature of the edges along x and along y at corners, 1/px, shape (a, b, 2, 2).
 
     Three corners of a line determine how it bends at the middle one: the second divided difference of their
     places by the distance along the line, of which only the part across the line is taken. Corners at the end
-    of a line have the curvature of those beside them; those without any are left out.
+    of a line have the curvature of those beside them; it is NaN where there is none.
 
     Parameters
     ----------
-    places : dict of (col, row) to ndarray, shape (2,)
-        Measured corners, px.
+    places : ndarray, shape (a, b, 2)
+        Measured corners, px, by column and row; NaN where there is none.
     """
-    own = [_bends(places, step) for step in ((1, 0), (0, 1))]
-    found = {}
-    for col, row in places:
-        near = [
-            [
-                of[col + i, row + j]
-                for i in range(-_NEAR, _NEAR + 1)
-                for j in range(-_NEAR, _NEAR + 1)
-                if (col + i, row + j) in of
-            ]
-            for of in own
-        ]
-        if near[0] and near[1]:
-            found[col, row] = np.array([np.median(one, axis=0) for one in near])
-    return found
+    return np.stack([median_around(_bends(places, axis), _NEAR) for axis in (0, 1)], axis=2)
 
 
-def _bends(places: dict[Node, np.ndarray], step: Node) -> dict[Node, np.ndarray]:
-    """Return the curvature of lines in one direction of the board, where both neighbours are known."""
-    found = {}
-    for (col, row), q in places.items():
-        after, before = places.get((col + step[0], row + step[1])), places.get((col - step[0], row - step[1]))
-        if after is None or before is None:
-            continue
-        ahead, behind = after - q, q - before
-        far, near = float(np.linalg.norm(ahead)), float(np.linalg.norm(behind))
-        along = (after - before) / np.linalg.norm(after - before)
-        bend = 2.0 * (ahead / far - behind / near) / (far + near)
-        found[col, row] = bend - along * (along @ bend)
-    return found
+def _bends(places: np.ndarray, axis: int) -> np.ndarray:
+    """Return the curvature of lines in one direction of the board, NaN where a neighbour is unknown."""
+    after, before = ahead(places, axis), behind(places, axis)
+    far, near = (np.linalg.norm(step, axis=-1, keepdims=True) for step in (after, before))
+    along = (after + before) / np.linalg.norm(after + before, axis=-1, keepdims=True)
+    bend = 2.0 * (after / far - before / near) / (far + near)
+    return np.asarray(bend - along * (along * bend).sum(axis=-1, keepdims=True))

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import CornerFit, is_cut
+from labcal.detect.corners.corner_fit import is_cut, judge
+from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corners import Corners
 from labcal.detect.corners.edge_waves import wavelengths
 from labcal.detect.dots import PictureDots
@@ -34,9 +35,10 @@ def picture_corners(
     """
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     n = len(corners.fits)
-    factor = _factor([fit for fit in corners.fits if fit is not None], settings.edge)
+    fits = [None if fit is None else judge(fit, settings.corner) for fit in corners.fits]
+    factor = _factor([fit for fit in fits if fit is not None], settings.edge)
     missing = np.full((2, 2), np.nan)
-    covariance = [missing if fit is None else factor * fit.covariance for fit in corners.fits]
+    covariance = [missing if fit is None else factor * fit.covariance for fit in fits]
     dots = PictureDots(
         size=(grey.shape[1], grey.shape[0]),
         polarity=Polarity.BLACK_ON_WHITE,
@@ -44,7 +46,7 @@ def picture_corners(
         index=corners.index,
         has_id=np.ones(n, dtype=bool),
         position=np.array(
-            [missing[0] if fit is None else fit.centre for fit in corners.fits], dtype=np.float64
+            [missing[0] if fit is None else fit.centre for fit in fits], dtype=np.float64
         ).reshape(-1, 2),
         covariance=np.array(covariance, dtype=np.float64).reshape(-1, 2, 2),
         misfit=np.full(n, np.nan),
@@ -54,7 +56,7 @@ def picture_corners(
             else DotFlag.CUT
             if is_cut(place, grey, settings.corner.frame_margin_px)
             else DotFlag.BAD_FIT
-            for fit, place in zip(corners.fits, corners.seen_at, strict=True)
+            for fit, place in zip(fits, corners.seen_at, strict=True)
         ),
         seen_at=corners.seen_at,
         outline=np.full((n, 2, 2), np.nan),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import CornerFit, is_cut, judge, settle
+from labcal.detect.corners.corner_fit import SettledCorner, is_cut, settle
 from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -39,7 +39,7 @@ class TagSaddle:
     border: float
 
 
-def fit_tag_saddle(grey: GreyPicture, corner: TagSaddle, settings: CornerSettings) -> CornerFit | None:
+def fit_tag_saddle(grey: GreyPicture, corner: TagSaddle, settings: CornerSettings) -> SettledCorner | None:
     """Fit a chessboard's corner to a tag's border, the small square and the white beside them.
 
     The model is that of :func:`labcal.detect.corners.corner_fit.fit_corner`. Pixels reach nearly to the
@@ -56,7 +56,7 @@ def fit_tag_saddle(grey: GreyPicture, corner: TagSaddle, settings: CornerSetting
 
     Returns
     -------
-    CornerFit or None
+    SettledCorner or None
         None where the fit does not converge near the beginning, or the frame is too near.
     """
     # The height of the strip that is plain on both sides of an edge, px.
@@ -70,17 +70,16 @@ def fit_tag_saddle(grey: GreyPicture, corner: TagSaddle, settings: CornerSetting
     for tolerance in (settings.first_tolerance_px, settings.tolerance_px):
         guard = _CELL_GUARD * settings.marker_guard_blurs * float(state[4:6].max()) / narrow
         window = _window(grey, corner, guard, settings)
-        settled = settle(state, window, tolerance, settings)
-        if settled is None:
+        rms = settle(state, window, tolerance, settings)
+        if rms < 0.0:
             return None
-        state = settled
     if state[7] <= 0.0 or state[4:6].max() > strip * narrow:
         return None
     if float(np.hypot(*state[:2])) > strip * float(lengths.min()):
         return None
     if is_cut(corner.centre + state[:2], grey, settings.frame_margin_px):
         return None
-    return judge(state, window, corner.centre, settings)
+    return SettledCorner(state, window, corner.centre, rms / (2.0 * float(state[7])))
 
 
 def _window(grey: GreyPicture, corner: TagSaddle, guard: float, settings: CornerSettings) -> CornerPixels:

@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import CornerFit, Surroundings, WideFit, widen, with_known_light
+from labcal.detect.corners.corner_fit import SettledCorner, widen, with_known_light
+from labcal.detect.corners.corner_window import Surroundings
 from labcal.detect.corners.edge_bends import edge_bends
+from labcal.detect.corners.node_grid import NodeGrid, ahead, around, behind, median_around
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -19,10 +21,10 @@ _ROUGH_NODES = 2
 
 def wider_fits(
     grey: GreyPicture,
-    fits: dict[Node, CornerFit],
-    around: dict[Node, Surroundings],
+    fits: dict[Node, SettledCorner],
+    surroundings: dict[Node, Surroundings],
     settings: CornerSettings,
-) -> dict[Node, CornerFit]:
+) -> dict[Node, SettledCorner]:
     """Return the fits of corners over all of their edges that no other corner shares.
 
     A first fit keeps so near to its corner that no lens bends an edge by more than a hundredth of a pixel.
@@ -34,95 +36,107 @@ def wider_fits(
     ----------
     grey : ndarray, shape (h, w)
         The picture.
-    fits : dict of (col, row) to CornerFit
+    fits : dict of (col, row) to SettledCorner
         The first fits.
-    around : dict of (col, row) to Surroundings
+    surroundings : dict of (col, row) to Surroundings
         With which they were made.
     settings : CornerSettings
 
     Returns
     -------
-    dict of (col, row) to CornerFit
+    dict of (col, row) to SettledCorner
         Without those whose wider fit does not converge, or where the light is not known.
     """
-    places = {node: fit.centre for node, fit in fits.items()}
-    bends = edge_bends(places)
-    wide: dict[Node, WideFit] = {}
-    for node, fit in fits.items():
-        if node in bends:
-            near = replace(
-                around[node],
-                centre=fit.centre,
-                axes=_steps(places, node, around[node].axes),
-                reach=settings.max_reach_px,
-                share=settings.wide_reach_squares,
-                bend=_across(bends[node], fit.state),
-            )
-            found = widen(grey, near, fit.state, settings)
-            if found is not None:
-                wide[node] = found
+    nodes = list(fits)
+    grid, places = NodeGrid.of(nodes), np.array([fit.centre for fit in fits.values()])
+    states = np.array([fit.state for fit in fits.values()])
+    bends = _across(edge_bends(grid.spread(places))[grid.at], states)
+    steps = _steps(grid.spread(places), grid.spread(np.array([surroundings[node].axes for node in nodes])))
+    steps = steps[grid.at]
+    wide: dict[Node, SettledCorner] = {}
+    clear = set[Node]()
+    for k, (node, fit) in enumerate(fits.items()):
+        if np.isnan(bends[k]).any():
+            clear.add(node)
+            continue
+        near = replace(
+            surroundings[node],
+            centre=places[k],
+            axes=steps[k],
+            reach=settings.max_reach_px,
+            share=settings.wide_reach_squares,
+            bend=bends[k],
+        )
+        found = widen(grey, near, fit.state, settings)
+        if found is not None:
+            wide[node] = found
     wide = _clear(wide, settings.clear_roughness_factor)
-    clear = {node for node in fits if node in wide or node not in bends}
-    bends, slopes = edge_bends({node: one.centre for node, one in wide.items()}), _slopes(wide)
-    final = {node: fits[node] for node in clear if node not in bends or node not in slopes}
-    for node, one in wide.items():
-        if node not in final:
-            known = with_known_light(one, slopes[node], _across(bends[node], one.state), settings)
-            if known is not None:
-                final[node] = known
+    final = {node: fits[node] for node in fits if node in clear}
+    if not wide:
+        return final
+    grid, places = NodeGrid.of(list(wide)), np.array([one.centre for one in wide.values()])
+    states = np.array([one.state for one in wide.values()])
+    bends = _across(edge_bends(grid.spread(places))[grid.at], states)
+    slopes = _slopes(grid, places, wide)
+    for k, (node, one) in enumerate(wide.items()):
+        if np.isnan(bends[k]).any() or np.isnan(slopes[k]).any():
+            final[node] = fits[node]
+            continue
+        known = with_known_light(one, slopes[k], bends[k], settings)
+        if known is not None:
+            final[node] = known
     return final
 
 
-def _across(bends: np.ndarray, state: np.ndarray) -> np.ndarray:
-    """Return how much the edges of a fit bend towards their normals, of vectors along x and along y, 1/px."""
-    # The first normal is that of the edge along y, the second one that of the edge along x.
-    normals = np.stack([np.cos(state[2:4]), np.sin(state[2:4])], axis=-1)
-    return np.asarray((normals * bends[::-1]).sum(axis=1))
+def _across(bends: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return how much the edges of fits bend towards their normals, 1/px, shape (n, 2).
 
-
-def _clear(wide: dict[Node, WideFit], factor: float) -> dict[Node, WideFit]:
-    """Return the fits that are not much rougher than those around: nothing lies in the squares of these."""
-    roughness = {node: one.roughness for node, one in wide.items()}
-    around = range(-_ROUGH_NODES, _ROUGH_NODES + 1)
-    found = {}
-    for (col, row), own in roughness.items():
-        near = [
-            roughness[col + i, row + j] for i in around for j in around if (col + i, row + j) in roughness
-        ]
-        if own <= factor * float(np.median(near)):
-            found[col, row] = wide[col, row]
-    return found
-
-
-def _slopes(fits: dict[Node, WideFit]) -> dict[Node, np.ndarray]:
-    """Return the slope of the light at corners, 1/px: that of the white level of the fits around each.
-
-    Left out where these are too few, or on one line.
+    `bends` (n, 2, 2) holds their vectors of curvature along x and along y.
     """
-    around = range(-_LIGHT_NODES, _LIGHT_NODES + 1)
-    found = {}
-    for (col, row), own in fits.items():
-        near = [fits[col + i, row + j] for i in around for j in around if (col + i, row + j) in fits]
-        place = np.array([fit.centre for fit in near]) - own.centre
-        white = np.array([fit.state[6] + fit.state[7] for fit in near])
-        design = np.concatenate([np.ones((len(near), 1)), place], axis=1)
-        if len(near) < _FEWEST or np.linalg.matrix_rank(design) < design.shape[1]:
-            continue
-        level, *slope = np.linalg.lstsq(design, white, rcond=None)[0]
-        found[col, row] = np.array(slope) / level
-    return found
+    # The first normal is that of the edge along y, the second one that of the edge along x.
+    normals = np.stack([np.cos(states[:, 2:4]), np.sin(states[:, 2:4])], axis=-1)
+    return np.asarray((normals * bends[:, ::-1]).sum(axis=-1))
 
 
-def _steps(places: dict[Node, np.ndarray], node: Node, usual: np.ndarray) -> np.ndarray:
-    """Return one square along x and along y at a corner, in columns, px, by the corners beside it."""
+def _clear(wide: dict[Node, SettledCorner], factor: float) -> dict[Node, SettledCorner]:
+    """Return the fits that are not much rougher than those around: nothing lies in the squares of these."""
+    if not wide:
+        return wide
+    grid, roughness = NodeGrid.of(list(wide)), np.array([one.roughness for one in wide.values()])
+    usual = median_around(grid.spread(roughness), _ROUGH_NODES)[grid.at]
+    return {node: wide[node] for node, ok in zip(wide, roughness <= factor * usual, strict=True) if ok}
+
+
+def _slopes(grid: NodeGrid, places: np.ndarray, fits: dict[Node, SettledCorner]) -> np.ndarray:
+    """Return the slope of the light at corners, 1/px, shape (n, 2): that of the white level around each.
+
+    NaN where there are too few fits around; as many as are enough are never on one line.
+    """
+    white = np.array([fit.state[6] + fit.state[7] for fit in fits.values()])
+    near = around(grid.spread(np.concatenate([places, white[:, None]], axis=1)), _LIGHT_NODES)
+    near = near[:, *grid.at]
+    known = np.isfinite(near[..., 2])
+    away = np.where(known[..., None], near[..., :2] - places, 0.0)
+    design = np.concatenate([known[..., None].astype(np.float64), away], axis=-1)
+    normal = np.einsum("kni,knj->nij", design, design)
+    right = np.einsum("kni,kn->ni", design, np.where(known, near[..., 2], 0.0))
+    enough = known.sum(axis=0) >= _FEWEST
+    slopes = np.full((len(places), 2), np.nan)
+    if enough.any():
+        levels = np.linalg.solve(normal[enough], right[enough][..., None])[..., 0]
+        slopes[enough] = levels[:, 1:] / levels[:, :1]
+    return slopes
+
+
+def _steps(places: np.ndarray, usual: np.ndarray) -> np.ndarray:
+    """Return one square along x and along y at corners, in columns, px, by the corners beside each.
+
+    `usual` (a, b, 2, 2) is where there is no corner beside.
+    """
     steps = usual.copy()
-    for axis, (i, j) in enumerate(((1, 0), (0, 1))):
-        after, before = (places.get((node[0] + s * i, node[1] + s * j)) for s in (1, -1))
-        here = places[node]
-        if after is not None and before is not None:
-            steps[:, axis] = 0.5 * (after - before)
-        elif after is not None:
-            steps[:, axis] = after - here
-        elif before is not None:
-            steps[:, axis] = here - before
+    for axis in (0, 1):
+        after, before = ahead(places, axis), behind(places, axis)
+        both = 0.5 * (after + before)
+        for step in (before, after, both):
+            steps[..., axis] = np.where(np.isnan(step), steps[..., axis], step)
     return steps

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import CornerFit, is_cut, judge, settle
+from labcal.detect.corners.corner_fit import SettledCorner, is_cut, judge, settle
+from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corner_kernel import WEDGE
 from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.grey import GreyPicture
@@ -65,15 +66,14 @@ def fit_tag_corner(grey: GreyPicture, corner: TagCorner, settings: CornerSetting
     for tolerance in (settings.first_tolerance_px, settings.tolerance_px):
         guard = settings.marker_guard_blurs * float(state[4:6].max()) / narrow
         window = _window(grey, corner, guard, settings)
-        settled = settle(state, window, tolerance, settings)
-        if settled is None:
+        rms = settle(state, window, tolerance, settings)
+        if rms < 0.0:
             return None
-        state = settled
     if state[7] <= 0.0 or state[4:6].max() > narrow or float(np.hypot(*state[:2])) > cell.min():
         return None
     if is_cut(corner.centre + state[:2], grey, settings.frame_margin_px):
         return None
-    return judge(state, window, corner.centre, settings)
+    return judge(SettledCorner(state, window, corner.centre, rms / (2.0 * float(state[7]))), settings)
 
 
 def _window(grey: GreyPicture, corner: TagCorner, guard: float, settings: CornerSettings) -> CornerPixels:

@@ -101,7 +101,7 @@ class CornerSettings(StageSettings):
         description="Reach of the wider fit, to the next corner's. Larger: more of the next edges.",
     )
     edge_blurs: float = Field(
-        6.0,
+        4.5,
         ge=4,
         le=100,
         description="Distance from the edges of the wider fit's pixels, at most. Larger: slower.",

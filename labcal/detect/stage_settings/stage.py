@@ -1,6 +1,8 @@
 """Base class of the settings of all stages: frozen, checked, and handed to compiled code as tuples."""
 
 from collections.abc import Callable
+from functools import cache
+from operator import attrgetter
 from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
@@ -8,6 +10,12 @@ from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 from labcal.detect.stage_settings.setting import refusal
 
 Limits = TypeVar("Limits")
+
+
+@cache
+def _fields(kind: Callable[..., object]) -> Callable[[object], tuple[object, ...]]:
+    """Return a function from settings to their values for a named tuple of two fields or more."""
+    return attrgetter(*vars(kind)["_fields"])
 
 
 class StageSettings(BaseModel):
@@ -51,4 +59,4 @@ class StageSettings(BaseModel):
 
     def limits(self, kind: Callable[..., Limits]) -> Limits:
         """Return the settings that a named tuple has fields for, as compiled code takes them."""
-        return kind(*(getattr(self, name) for name in vars(kind)["_fields"]))
+        return kind(*_fields(kind)(self))

@@ -92,6 +92,14 @@ def test_a_part_of_a_marked_board_is_numbered() -> None:
     assert np.abs(errors(dots, MARKED, how)).max() < 0.1
 
 
+def test_blurred_marks_are_read_through_noise() -> None:
+    how = replace(exposure(MARKED, tilt=0.1, square=20.0), blur_px=2.5, noise=0.036)
+    how = replace(how, H=np.array([[1.0, 0, 40], [0, 1, 20], [0, 0, 1]]) @ how.H)
+    dots = detect_dots(picture(MARKED, how), MARKED)
+    assert dots.refusal is None
+    assert np.abs(errors(dots, MARKED, how)).max() < 0.1 * 20.0  # of a square: the ids are right
+
+
 def test_a_board_with_more_corners_is_another_one() -> None:
     smaller = PLAIN.model_copy(update={"cols": 7})
     dots = detect_dots(picture(PLAIN, exposure(PLAIN)), smaller)
