@@ -49,8 +49,7 @@ def test_a_raster_of_the_pdf_has_the_pitch_and_tells_the_target(
     target, dots = load_target(name), read_detections(tmp_path / "d.csv")
     ok = dots.flag == "ok"
     assert dots.has_id.sum() >= target.count
-    # Corners of squares that end between pixels, without any blur, fit no blurred edge (see the decision).
-    assert ok.sum() >= (0.8 if name == "charuco-12x9" else 1.0) * target.count
+    assert ok.sum() == target.count
     mm = dots.position[ok] * [25.4 / DPI, -25.4 / DPI]
     places = target.points(dots.index[ok])[:, :2]
     turns = [places, -places] if target.symmetric_indices(target.indices()) else [places]
