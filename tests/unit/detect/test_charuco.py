@@ -263,7 +263,7 @@ def test_corners_of_rasters_without_blur_are_fitted_wherever_they_end_in_a_pixel
         )
         assert fit is not None
         off.append(fit.centre - centre)
-    # An edge along the rows is known to a part of a pixel only; one that crosses pixels at all places far better.
+    # An edge along the rows is known to a part of a pixel only, one that crosses pixels well.
     assert float(np.sqrt(np.square(off).mean())) < (0.1 if turn_deg < 1 else 0.004)
 
 
