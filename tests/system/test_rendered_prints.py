@@ -11,10 +11,7 @@ from labcal.shoot.truth import read_true_dots
 from labcal.targets.catalogue import load_target
 from labcal.targets.print_scale import printed_to_scale
 from tests.system.conftest import Run
-from tests.system.printed_scene import printed_scene
-
-ONE_OF_A_KIND = ("asymmetric-4x11", "charuco-12x9", "chessboard-marked-13x8", "coded-8x6", "rings-10x8")
-"""One target of every kind of artwork and of detector; drawn photographs of prints show the others."""
+from tests.system.printed_scene import ONE_OF_A_KIND, printed_scene
 
 
 @pytest.mark.slow
