@@ -104,7 +104,7 @@ class FolderSource:
         )
 
 
-def frame_of(picture: Picture, time_s: float | None = None) -> Frame:
+def frame_of(picture: Picture) -> Frame:
     """Return a picture as it was measured, with its file as it is, except where that does not tell its form.
 
     Raises
@@ -113,7 +113,7 @@ def frame_of(picture: Picture, time_s: float | None = None) -> Frame:
         It cannot be read.
     """
     encoded = file_of(Path(picture.image)) if picture.raw is None else None
-    return Frame(picture.read(), time_s, encoded=encoded)
+    return Frame(picture.read(), encoded=encoded)
 
 
 def file_of(path: Path) -> Encoded:

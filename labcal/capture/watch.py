@@ -144,17 +144,20 @@ class WatchedFolder:
             if before is None or before[0] != state:
                 self._stood[path] = (state, now)
                 changed = True
-            elif now - before[1] >= SETTLED_S and self._take(path, status.st_mtime):
+            elif now - before[1] >= SETTLED_S and self._take(path):
                 self._known.add(path)
                 changed = True
         return changed
 
-    def _take(self, path: Path, time_s: float) -> bool:
-        """Read a file into its view; return whether it was a whole picture."""
+    def _take(self, path: Path) -> bool:
+        """Read a file into its view; return whether it was a whole picture.
+
+        The frame has no time: that of a file tells when it was copied, not when the picture was exposed.
+        """
         source = replace(loose_source(str(path), self._endings), raw=self._raw)
         name = self._names[0] if not self._endings else source.camera
         try:
-            frame = frame_of(source, time_s)
+            frame = frame_of(source)
         except InputError:  # half-written still
             return False
         self._sizes.setdefault(name, frame.size)

@@ -92,7 +92,7 @@ def test_pictures_dropped_into_a_folder_become_views_and_a_missing_one_is_named(
     drop = tmp_path / "drop"
     drop.mkdir()
     words = ["watch:drop", "--target", examples.TARGET, "--cameras", "_left=left,_right=right"]
-    with live_command(tmp_path, [*words, "--timeout-s", "2", "--max-skew-ms", "60000"]) as running:
+    with live_command(tmp_path, [*words, "--timeout-s", "2"]) as running:
         context = browser.new_context()
         bench = live_page(context, running.address)
         bench.page.wait_for_selector("#notice:visible", timeout=1e3 * STEP_S)  # nothing comes: it says so

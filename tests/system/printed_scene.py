@@ -15,6 +15,15 @@ from labcal.shoot.manifest import Role
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.printed_sheet import cut_sheet
 
+ONE_OF_A_KIND = (
+    "aprilgrid-6x6",
+    "asymmetric-4x11",
+    "charuco-12x9",
+    "chessboard-marked-13x8",
+    "coded-8x6",
+    "rings-10x8",
+)
+"""One target of every kind of artwork and of detector: these are rendered, the others drawn."""
 AXES_DEG = (0.0, 90.0, 40.0)
 """Axes of the tilt in the picture, one view each."""
 

@@ -77,7 +77,7 @@ def _crosses(saddles: Saddles, settings: DetectSettings) -> tuple[np.ndarray, np
         != saddles.is_white(np.arange(n), bisector)[:, None]
     )
     opposite &= np.abs(np.log(saddles.step[near] / saddles.step[:, None])) < np.log(
-        settings.saddle.max_step_ratio
+        settings.saddle.max_step_factor
     )
     most = np.radians(settings.saddle.max_bend_deg)
     arms, lengths = np.zeros((n, 4), dtype=np.int64), np.full((n, 4), np.inf)
@@ -97,7 +97,7 @@ def _crosses(saddles: Saddles, settings: DetectSettings) -> tuple[np.ndarray, np
             / lengths[:, k : k + 2].sum(axis=1)
             for k in (0, 2)
         ]
-    whole = np.isfinite(lengths).all(axis=1) & (uneven < settings.saddle.max_step_ratio)
+    whole = np.isfinite(lengths).all(axis=1) & (uneven < settings.saddle.max_step_factor)
     return arms, np.where(whole, np.maximum(*bent), np.inf)
 
 

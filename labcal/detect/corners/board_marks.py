@@ -49,9 +49,9 @@ def read_marks(
     contrast = np.where(white, 1.0, -1.0) * (outer.mean(axis=1) - inner) / step
     # Blur takes the next squares into what is beside a mark: plain squares are below nothing.
     contrast -= min(float(np.median(contrast)), 0.0)
-    even = np.ptp(outer, axis=1) < settings.mark_contrast * step
-    marked = (contrast > settings.mark_contrast) & even
-    plain = (contrast < settings.plain_contrast) & even
+    even = np.ptp(outer, axis=1) < settings.min_mark_share * step
+    marked = (contrast > settings.min_mark_share) & even
+    plain = (contrast < settings.max_plain_share) & even
     return {cell: bool(marked[k]) for k, cell in enumerate(cells) if marked[k] or plain[k]}
 
 

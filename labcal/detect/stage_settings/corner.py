@@ -62,7 +62,7 @@ class CornerSettings(StageSettings):
     first_blur_px: float = Field(
         0.8, ge=0.05, le=20, description="Blur to begin with. Larger: for soft pictures."
     )
-    min_blur_px: float = Field(0.2, ge=0.01, le=5, description="Least blur. Larger: sharp edges fit worse.")
+    min_blur_px: float = Field(0.3, ge=0.01, le=5, description="Least blur. Larger: sharp edges fit worse.")
     max_blur_squares: float = Field(
         0.25, gt=0, le=1, description="Blur above which a corner is bad-fit. Larger: soft corners are kept."
     )

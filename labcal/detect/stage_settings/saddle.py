@@ -64,7 +64,7 @@ class SaddleSettings(StageSettings):
         lt=45,
         description="Most angle from an edge to the next corner on it. Larger: more wrong seeds.",
     )
-    max_step_ratio: float = Field(
+    max_step_factor: float = Field(
         2.0,
         gt=1,
         le=10,
@@ -90,13 +90,13 @@ class SaddleSettings(StageSettings):
         description="Part of each outermost line of corners that a board without marks must show. Larger: "
         "more refusals.",
     )
-    mark_contrast: float = Field(
+    min_mark_share: float = Field(
         0.4,
         gt=0,
         lt=1,
         description="Least contrast of a mark, of that of black and white. Larger: faint marks are lost.",
     )
-    plain_contrast: float = Field(
+    max_plain_share: float = Field(
         0.2,
         gt=0,
         lt=1,

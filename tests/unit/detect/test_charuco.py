@@ -245,6 +245,28 @@ def test_a_corner_of_the_wrong_colours_is_none() -> None:
     assert fitted(-1) is None
 
 
+@pytest.mark.parametrize("turn_deg", [0.0, 0.3, 20.0])
+def test_corners_of_rasters_without_blur_are_fitted_wherever_they_end_in_a_pixel(turn_deg: float) -> None:
+    # The value of a pixel is its covered share; along the rows, an edge touches one pixel in each.
+    rng, turn = np.random.default_rng(3), np.radians(turn_deg)
+    cos, sin = np.cos(turn), np.sin(turn)
+    finer = (np.arange(41 * 12) + 0.5) / 12 - 0.5
+    off = []
+    for _ in range(12):
+        centre = 20.0 + rng.uniform(-0.5, 0.5, 2)
+        x, y = np.meshgrid(finer - centre[0], finer - centre[1])
+        corner = np.sign(cos * x + sin * y) * np.sign(cos * y - sin * x)
+        grey = 128.0 + 120.0 * corner.reshape(41, 12, 41, 12).mean(axis=(1, 3)) + rng.normal(0, 2.5, (41, 41))
+        axes = 40.0 * np.array([[cos, -sin], [sin, cos]])
+        fit = fit_corner(
+            grey.astype(np.float32), Surroundings(centre + 0.3, axes, 1, 0.9, 14.0), CornerSettings()
+        )
+        assert fit is not None
+        off.append(fit.centre - centre)
+    # An edge along the rows is known to a part of a pixel only, one that crosses pixels well.
+    assert float(np.sqrt(np.square(off).mean())) < (0.1 if turn_deg < 1 else 0.004)
+
+
 def with_worn_codes(T: np.ndarray, kept: set[int], board=BOARD) -> np.ndarray:  # type: ignore[no-untyped-def]  # noqa: ANN001 - a target
     """Return the picture of a board whose codes are rubbed to an even grey, but for some."""
     picture, half = draw(T, board), 0.36 * board.marker_mm
