@@ -52,6 +52,7 @@ def test_new_pictures_are_taken_and_half_written_ones_are_waited_for(tmp_path: P
         thread.join()
     assert taken is not None
     assert taken.view == "a"
+    assert taken.skew_s is None  # files tell when they were copied, 0.6 s apart, not when pictures were taken
     assert [int(frame.picture[0, 0]) for frame in taken.frames.values()] == [7, 9]
     assert [frame.encoded.data for frame in taken.frames.values() if frame.encoded] == [whole, other]
 

@@ -102,8 +102,11 @@ def test_rows_with_an_odd_number_are_shifted_as_by_opencv() -> None:
 
 
 @pytest.mark.parametrize("cols", [2, 3, 4, 5])
-@pytest.mark.parametrize("rows", [2, 3, 4, 5, 8, 10])
-@pytest.mark.parametrize("make", [asymmetric, lambda cols, rows: without_rings(cols=cols, rows=rows)])
+@pytest.mark.parametrize(
+    ("make", "rows"),
+    [(asymmetric, rows) for rows in (3, 4, 5, 8, 10)]
+    + [(lambda cols, rows: without_rings(cols=cols, rows=rows), rows) for rows in (2, 3, 4, 5, 8, 10)],
+)
 def test_symmetric_indices_are_of_all_turns_after_which_a_grid_looks_the_same(
     make: Callable[[int, int], DotGrid], cols: int, rows: int
 ) -> None:
