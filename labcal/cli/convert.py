@@ -1,6 +1,6 @@
 """``labcal convert``: cameras and detections from and to the files of other systems."""
 
-from argparse import ArgumentTypeError, Namespace
+from argparse import Action, ArgumentParser, ArgumentTypeError, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,21 @@ if TYPE_CHECKING:
 _MOST_DIGITS = 9
 _FORMATS = "labcal, opencv, mrcal, kalibr, ros, colmap, colmap-binary, dice, anipose, matlab, matchid"
 _PIXEL_FORMATS = "colmap-tracks, dlc, dice-subsets, columns"
+
+
+class _WithoutOutput(Action):
+    """A switch with which OUT may be left out."""
+
+    def __init__(self, option_strings: list[str], dest: str, output: Action, help: str) -> None:  # noqa: A002 - argparse's name
+        super().__init__(option_strings, dest, nargs=0, default=False, help=help)
+        self._output = output
+
+    def __call__(
+        self, _parser: ArgumentParser, namespace: Namespace, _values: object, _option: str | None = None
+    ) -> None:
+        """Take the switch."""
+        setattr(namespace, self.dest, True)
+        self._output.required = False
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -36,12 +51,13 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "inputs", nargs="+", type=Path, metavar="IN", help="a file, one a camera, or a folder"
     )
-    parser.add_argument(
-        "output", nargs="?", type=Path, metavar="OUT", help="file to write; of COLMAP, a folder"
+    output = parser.add_argument(
+        "output", type=Path, metavar="OUT", help="file to write; of COLMAP, a folder"
     )
     parser.add_argument(
         "--check",
-        action="store_true",
+        action=_WithoutOutput,
+        output=output,
         help="write nothing: print what is understood of cameras, as unit, baseline, lens and field of view",
     )
     parser.add_argument("--force", action="store_true", help="replace what labcal made there")
@@ -123,20 +139,13 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     """Convert, and report what the files do not state as the original did."""
     from dataclasses import fields
 
-    from labcal.errors import InputError
     from labcal.pipeline import ConvertSettings, convert
 
     settings = ConvertSettings(**{one.name: getattr(arguments, one.name) for one in fields(ConvertSettings)})
-    # Of one path or more, argparse gives all to the inputs.
-    paths = [*arguments.inputs, *([] if arguments.output is None else [arguments.output])]
     if arguments.check:
-        return _check(paths, settings, session)
-    if len(paths) == 1:
-        raise InputError(
-            f"Give OUT, too: 'labcal convert {paths[0]} OUT'; or ask what is understood of it: 'labcal "
-            f"convert --check {paths[0]}'."
-        )
-    result = convert(paths[:-1], paths[-1], settings, force=arguments.force)
+        last = [] if arguments.output is None else [arguments.output]
+        return _check([*arguments.inputs, *last], settings, session)
+    result = convert(arguments.inputs, arguments.output, settings, force=arguments.force)
     for note in result.notes:
         session.warn(note)
     if result.unit is not None:

@@ -38,7 +38,11 @@ def rig(stage: Path, tmp_path: Path) -> Path:
         ("stereo.xml", "opencv", ["stereo.xml"]),
         ("camchain.yaml", "kalibr", ["camchain.yaml"]),
         ("info.yaml", "ros", ["info-left.yaml", "info-right.yaml"]),
-        ("sparse", "colmap", ["sparse/cameras.txt", "sparse/images.txt", "sparse/points3D.txt"]),
+        (
+            "sparse",
+            "colmap",
+            [f"sparse/{one}.txt" for one in ("cameras", "images", "points3D", "rigs", "frames")],
+        ),
         ("cal.xml", "dice", ["cal.xml"]),
         ("copy.json", None, ["copy.json"]),
     ],

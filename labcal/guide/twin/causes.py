@@ -34,7 +34,7 @@ class Cause:
     unit : str
         ``um`` or ``px``.
     fit : float64 array, (n, 2)
-        What it takes of the residuals, px, fitted together with all that are named.
+        What it takes of the residuals beyond the poses and the causes before it, px.
     """
 
     kind: CauseKind
@@ -182,15 +182,16 @@ class _Model:
         return tuple(found)
 
     def fits(self, kinds: Sequence[CauseKind]) -> dict[CauseKind, Float64[np.ndarray, "n 2"]]:
-        """Return what each of some causes, fitted together, makes of the residuals, px."""
-        solved = self._solved(self._where(kinds), self.right)
+        """Return what each of some causes takes of the residuals beyond poses and those before it, px.
+
+        Fitted together, causes that few views hardly distinguish would be large and cancel.
+        """
         found = {}
-        for kind in kinds:
-            own = self.X[:, self.at[kind]] @ solved[self.at[kind]]
-            # What a pose could take as well is none of the cause's.
-            moved = self.X[:, self.pose]
-            own = own - moved @ np.linalg.lstsq(moved, own, rcond=None)[0]
-            found[kind] = np.einsum("nij,nj->ni", self.root, own.reshape(-1, 2))
+        before = self.X @ self._solved(self.pose, self.right)
+        for number, kind in enumerate(kinds):
+            taken = self.X @ self._solved(self._where(kinds[: number + 1]), self.right)
+            found[kind] = np.einsum("nij,nj->ni", self.root, (taken - before).reshape(-1, 2))
+            before = taken
         return found
 
 

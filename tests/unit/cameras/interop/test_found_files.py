@@ -1,5 +1,6 @@
 """Camera files as other programs write them, with numbers of their own."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -270,3 +271,14 @@ def test_numbers_are_decimal(tmp_path: Path, word: str) -> None:
         return
     with pytest.raises(InputError, match="should be a finite number"):
         read(path)
+
+
+def test_only_what_is_understood_needs_no_output(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = mat(tmp_path / "a.mat", {"cameraParams": matlab_camera(K1, D1)})
+    for words in (["--check", str(path)], [str(path), "--check"]):
+        assert main(["convert", *words, "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["source"] == "matlab"
+    assert main(["convert", str(path), "--json"]) == 2
+    assert "OUT" in capsys.readouterr().out
+    # An option may stand between the paths.
+    assert main(["convert", str(path), "--to", "labcal", str(tmp_path / "rig.json")]) == 0

@@ -135,3 +135,21 @@ def test_a_bend_is_told_from_others_where_views_can_tell(
         assert set(told.causes[0].rivals) == rivals
         kind = unexplained_positions(told, found)[0].kind
         assert kind == ("undecided" if rivals else "bend")
+
+
+@pytest.mark.parametrize("seed", [21, 22, 23])
+def test_causes_that_one_view_hardly_distinguishes_are_not_larger_than_what_is_there(seed: int) -> None:
+    made, dots = residuals(seed)
+    made = few(made, 1, 2)
+    n = len(dots)
+    q, by_point = made.q.copy(), made.by_point.copy()
+    q[n:], by_point[n:] = q[:n] + 1.0, by_point[:n] * 1.0003  # two cameras at almost one place
+    made = DotResiduals(**{**made.__dict__, "q": q, "by_point": by_point})
+    shift = 0.03 * np.random.default_rng(seed).standard_normal((n, 3)) * [1.0, 1.0, 0.0]
+    r = (made.q - 500.0) / 500.0
+    field = np.where(made.camera[:, None] == 1, 0.6, -0.6) * r * (r**2).sum(axis=1, keepdims=True)
+    found = with_cause(made, field + np.einsum("nij,nj->ni", made.by_point, shift[made.dot]))
+    told = explained(found, dots)
+    assert len(told.causes) > 1
+    for cause in told.causes:
+        assert (cause.fit**2).sum() <= (found.residual**2).sum()
