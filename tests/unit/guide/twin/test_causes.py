@@ -137,19 +137,23 @@ def test_a_bend_is_told_from_others_where_views_can_tell(
         assert kind == ("undecided" if rivals else "bend")
 
 
-@pytest.mark.parametrize("seed", [21, 22, 23])
+@pytest.mark.parametrize("seed", [21, 22])
 def test_causes_that_one_view_hardly_distinguishes_are_not_larger_than_what_is_there(seed: int) -> None:
     made, dots = residuals(seed)
     made = few(made, 1, 2)
-    n = len(dots)
+    n, across = len(dots), (dots - dots.mean(axis=0))[:, 0]
     q, by_point = made.q.copy(), made.by_point.copy()
-    q[n:], by_point[n:] = q[:n] + 1.0, by_point[:n] * 1.0003  # two cameras at almost one place
+    q[n:], by_point[n:] = q[:n] + 40.0, by_point[:n] * 1.02
+    for camera, towards in enumerate((-1e-4, 1e-4)):  # a little perspective, another one in either camera
+        mine, nearer = slice(camera * n, (camera + 1) * n), 1.0 + towards * across
+        q[mine] = 500.0 + (q[mine] - 500.0) * nearer[:, None]
+        by_point[mine] *= nearer[:, None, None] ** 2
     made = DotResiduals(**{**made.__dict__, "q": q, "by_point": by_point})
-    shift = 0.03 * np.random.default_rng(seed).standard_normal((n, 3)) * [1.0, 1.0, 0.0]
+    shift = 0.05 * np.random.default_rng(seed).standard_normal((n, 3)) * [1.0, 1.0, 0.0]
     r = (made.q - 500.0) / 500.0
-    field = np.where(made.camera[:, None] == 1, 0.6, -0.6) * r * (r**2).sum(axis=1, keepdims=True)
+    field = np.where(made.camera[:, None] == 1, 0.6, 0.0) * r * (r**2).sum(axis=1, keepdims=True)
     found = with_cause(made, field + np.einsum("nij,nj->ni", made.by_point, shift[made.dot]))
     told = explained(found, dots)
-    assert len(told.causes) > 1
+    assert {cause.kind for cause in told.causes} == {CauseKind.PRINT, CauseKind.LENS}
     for cause in told.causes:
         assert (cause.fit**2).sum() <= (found.residual**2).sum()
