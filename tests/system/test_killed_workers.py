@@ -200,7 +200,7 @@ def test_workers_end_whenever_their_parent_is_killed(
 def test_an_interrupted_command_leaves_nobody_and_says_one_line(
     rendering: Command, how: str, status: int, word: str, tmp_path: Path
 ) -> None:
-    longer = replace(rendering, words=(*rendering.words, "--spp", "1024"))  # else it may be done before
+    longer = replace(rendering, words=(*rendering.words, "--spp", "4096"))  # else it may be done before
     process = started(longer, tmp_path, 0.5)
     os.killpg(process.pid, signal.Signals[how])  # as a terminal does: all of them
     out, said = process.communicate(timeout=120)
