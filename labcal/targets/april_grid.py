@@ -9,12 +9,12 @@ from labcal.arrays import DotIndices, Lengths, Vectors3
 from labcal.bounds import MOST_DOTS, Length, Margin
 from labcal.run.names import Name
 from labcal.targets.charuco import MarkerDictionary
-from labcal.targets.scaled_print import ScaledPrint
+from labcal.targets.corner_board import CornerBoard
 
 Tags = Annotated[int, Field(ge=1, le=100)]
 
 
-class AprilGrid(ScaledPrint):
+class AprilGrid(CornerBoard):
     """A flat target with the four corners of every tag of a grid, in Kalibr's convention.
 
     Between the corners of tags are small black squares, so that four of them meet at each corner, two black.
@@ -96,21 +96,6 @@ class AprilGrid(ScaledPrint):
         across, up = (count * pitch - self.gap_mm + beyond for count in (self.tag_cols, self.tag_rows))
         x_scale, y_scale = self.scale_x_y.tolist()
         return (-beyond * x_scale, -beyond * y_scale, across * x_scale, up * y_scale)
-
-    @property
-    def least_margin_mm(self) -> float:
-        """0: nothing reaches beyond the tags and the squares at their corners."""
-        return 0.0
-
-    @property
-    def place_name(self) -> str:
-        """A corner."""
-        return "corner"
-
-    @property
-    def is_white_on_black(self) -> bool:
-        """False: its tags are printed in black."""
-        return False
 
     @property
     def captions(self) -> tuple[str, str]:

@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field, model_validator
 from labcal.arrays import DotIndices, Lengths, Vectors3
 from labcal.bounds import LEAST_SHARE_OF_PITCH, Length, Margin
 from labcal.run.names import Name
-from labcal.targets.scaled_print import ScaledPrint
+from labcal.targets.corner_board import CornerBoard
 
 Squares = Annotated[int, Field(ge=3, le=200)]
 
@@ -66,7 +66,7 @@ _SIZES = {
 }
 
 
-class CharucoBoard(ScaledPrint):
+class CharucoBoard(CornerBoard):
     """A flat target with the inner corners of a chessboard, numbered by the markers in its white squares.
 
     Corners are numbered (col, row) from 0, x to the right, y up, z out of the board; corner (0, 0), the lower
@@ -143,21 +143,6 @@ class CharucoBoard(ScaledPrint):
         across, up = ((count - 1) * self.square_mm + self.margin_mm for count in self.squares)
         x_scale, y_scale = self.scale_x_y.tolist()
         return (low * x_scale, low * y_scale, across * x_scale, up * y_scale)
-
-    @property
-    def least_margin_mm(self) -> float:
-        """0: nothing reaches beyond the chessboard."""
-        return 0.0
-
-    @property
-    def place_name(self) -> str:
-        """A corner."""
-        return "corner"
-
-    @property
-    def is_white_on_black(self) -> bool:
-        """False: its black squares and markers are printed."""
-        return False
 
     @property
     def captions(self) -> tuple[str, str]:

@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field, model_validator
 from labcal.arrays import DotIndices, Lengths, Vectors3
 from labcal.bounds import MOST_DOTS, Length, Margin
 from labcal.run.names import Name
-from labcal.targets.scaled_print import ScaledPrint
+from labcal.targets.corner_board import CornerBoard
 
 Corners = Annotated[int, Field(ge=2, le=200)]
 MarkedSquare = tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]]
@@ -24,7 +24,7 @@ class SquareColour(StrEnum):
     WHITE = "white"
 
 
-class Chessboard(ScaledPrint):
+class Chessboard(CornerBoard):
     """A flat target with the inner corners of a chessboard, as many as OpenCV's `patternSize` states.
 
     Corners are numbered (col, row) from 0, x to the right, y up, z out of the board; corner (0, 0), the lower
@@ -92,21 +92,6 @@ class Chessboard(ScaledPrint):
         across, up = (count * self.square_mm + self.margin_mm for count in (self.cols, self.rows))
         x_scale, y_scale = self.scale_x_y.tolist()
         return (low * x_scale, low * y_scale, across * x_scale, up * y_scale)
-
-    @property
-    def least_margin_mm(self) -> float:
-        """0: nothing reaches beyond the chessboard."""
-        return 0.0
-
-    @property
-    def place_name(self) -> str:
-        """A corner."""
-        return "corner"
-
-    @property
-    def is_white_on_black(self) -> bool:
-        """False: its black squares are printed."""
-        return False
 
     @property
     def captions(self) -> tuple[str, str]:
