@@ -2,20 +2,20 @@
 
 from collections import deque
 
-import cv2
 import numpy as np
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import SettledCorner
 from labcal.detect.corners.corners import Corners, Standard
-from labcal.detect.corners.markers_elsewhere import ranges
-from labcal.detect.corners.picture_corners import picture_corners
+from labcal.detect.corners.markers_elsewhere import ids_read
+from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
+from labcal.detect.corners.reduced import reduced_pictures
 from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.corners.tag_places import expected_tags, tags_in_place
 from labcal.detect.corners.tag_quads import SeenTags, read_tags
 from labcal.detect.corners.tag_saddle import TagSaddle, fit_tag_saddle
 from labcal.detect.dots import PictureDots
-from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.smoothness import is_smooth
@@ -61,13 +61,9 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     dots = picture_corners(corners, grey, None, settings)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not corners.select(ok).spans_a_plane():
-        whole = np.array([flag is not DotFlag.CUT for flag in dots.flag], dtype=bool)
-        torn = (
-            corners.select(np.flatnonzero(whole)).spans_a_plane() if len(dots.flag) == len(whole) else False
-        )
         detail = f"{counted(len(placed), 'tag')} of {grid.tag_count} and {len(ok)} of its {grid.count} "
         detail += "corners were found."
-        return dots.refused(Refusal.TORN_CORNERS if torn else Refusal.TOO_FEW_DOTS, detail)
+        return refused_as_few(dots, corners.index, detail)
     return dots if _is_smooth(corners, ok, settings) else dots.refused(Refusal.GRID_INCONSISTENT)
 
 
@@ -76,26 +72,14 @@ def _placed(
 ) -> tuple[SeenTags, dict[int, Pixels]]:
     """Return the tags that are read, and those in place, of the level that shows most; coarse ones first."""
     seen, best = SeenTags(np.zeros(0, dtype=np.int64), np.zeros((0, 4, 2))), dict[int, Pixels]()
-    if min(grey.shape) < settings.corner.min_picture_px or not grey.max() > grey.min():
-        return seen, best
-    factor = 1
-    while max(grey.shape) / factor > settings.saddle.first_side_px:
-        factor *= 2
-    while factor >= 1:
-        height, width = (length // factor for length in grey.shape)
-        level = grey
-        if factor > 1:
-            whole = grey[: height * factor, : width * factor]
-            level = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
-        tags = read_tags(level, find_saddles(level, settings.saddle), grid)
-        # The middle of the first reduced pixel is that of the pixels which it is the mean of.
-        tags = SeenTags(tags.number, factor * tags.corners + 0.5 * (factor - 1))
+    for level in reduced_pictures(grey, settings):
+        tags = read_tags(level.grey, find_saddles(level.grey, settings.saddle), grid)
+        tags = SeenTags(tags.number, level.in_full(tags.corners))
         placed = tags_in_place(tags, grid, settings.corner)
         seen = tags if len(tags.number) >= len(seen.number) else seen
         best = placed if len(placed) >= len(best) else best
         if len(best) >= _ENOUGH * grid.tag_count:
             break
-        factor //= 2
     return seen, best
 
 
@@ -105,9 +89,7 @@ def _why_not(seen: SeenTags, grid: AprilGrid) -> tuple[Refusal, str]:
         return Refusal.NO_MARKERS, ""
     last = grid.first_id + grid.tag_count - 1
     numbers = sorted(set(seen.number.tolist()))
-    noun, were = ("Tag", "was") if len(numbers) == 1 else ("Tags", "were")
-    detail = f"{noun} {ranges(numbers)} of {grid.dictionary} {were} read; "
-    detail += f"the target has {grid.first_id} to {last}."
+    detail = ids_read("Tag", numbers, str(grid.dictionary), (grid.first_id, last))
     own = sum(grid.first_id <= number <= last for number in numbers)
     if own <= len(numbers) - own:
         return Refusal.OTHER_IDS, detail

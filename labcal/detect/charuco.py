@@ -5,9 +5,9 @@ import numpy as np
 from labcal.detect.corners.corners import Corners, measured_corners
 from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
 from labcal.detect.corners.markers_elsewhere import why_not_in_place
-from labcal.detect.corners.picture_corners import picture_corners
+from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
 from labcal.detect.dots import PictureDots
-from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.smoothness import is_smooth
@@ -54,15 +54,12 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
         for fit, (i, j) in zip(corners.fits, corners.index, strict=True)
     ]
     corners = corners.select(np.flatnonzero(kept))
-    corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     dots = picture_corners(corners, grey, None, settings)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not found.spans_a_plane() or not corners.select(ok).spans_a_plane():
-        whole = np.array([flag is not DotFlag.CUT for flag in dots.flag], dtype=bool)
-        torn = found.spans_a_plane() and corners.select(np.flatnonzero(whole)).spans_a_plane()
         detail = f"{counted(len(placed.number), 'marker')} of {board.marker_count} and {len(ok)} of its "
         detail += f"{board.count} corners were found."
-        return dots.refused(Refusal.TORN_CORNERS if torn else Refusal.TOO_FEW_DOTS, detail)
+        return refused_as_few(dots, found.index, detail)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     smooth = is_smooth(lattice, corners.seen_at, settings.grid)
     return dots if smooth else dots.refused(Refusal.GRID_INCONSISTENT)

@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 
 from labcal.detect.corners.board_lattice import find_board_lattices
 from labcal.detect.corners.board_numbering import SeenBoard, number_board
 from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
 from labcal.detect.corners.picture_corners import picture_corners
+from labcal.detect.corners.reduced import Reduced, reduced_pictures
 from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
@@ -75,31 +75,19 @@ def _shows_its_rim(index: np.ndarray, board: Chessboard, share: float) -> bool:
 def _found(grey: GreyPicture, board: Chessboard, settings: DetectSettings) -> _Found:
     """Return the board from the coarsest level of the picture on at which it can be numbered."""
     best = _Found(Corners.none(), Refusal.NO_CHESSBOARD, 0)
-    if min(grey.shape) < settings.corner.min_picture_px or not grey.max() > grey.min():
-        return best
-    side = max(grey.shape)
-    factor = 1
-    while side / factor > settings.saddle.first_side_px:
-        factor *= 2
-    while factor >= 1:
-        found = _found_at(grey, factor, board, settings)
+    for level in reduced_pictures(grey, settings):
+        found = _found_at(level, board, settings)
         if found.refusal is None:
             return found
         best = found if found.seen > best.seen else best
-        factor //= 2
     return best
 
 
-def _found_at(grey: GreyPicture, factor: int, board: Chessboard, settings: DetectSettings) -> _Found:
+def _found_at(level: Reduced, board: Chessboard, settings: DetectSettings) -> _Found:
     """Return the board as it is seen in a picture that is reduced by a whole number."""
-    height, width = (length // factor for length in grey.shape)
-    level = grey
-    if factor > 1:
-        whole = grey[: height * factor, : width * factor]
-        level = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
-    saddles = find_saddles(level, settings.saddle)
+    saddles = find_saddles(level.grey, settings.saddle)
     lattices = find_board_lattices(saddles, max(board.cols, board.rows), NONE, settings)
-    outcomes = [number_board(SeenBoard(one, saddles, level), board, settings) for one in lattices]
+    outcomes = [number_board(SeenBoard(one, saddles, level.grey), board, settings) for one in lattices]
     numbered = [
         (lattice, outcome)
         for lattice, outcome in zip(lattices, outcomes, strict=True)
@@ -114,6 +102,5 @@ def _found_at(grey: GreyPicture, factor: int, board: Chessboard, settings: Detec
         return _Found(Corners.none(), Refusal.GRID_INCONSISTENT, seen)
     index = np.array([numbering.index(node) for node in lattice.spots], dtype=np.int64)
     own = ((index >= 0) & (index < [board.cols, board.rows])).all(axis=1)
-    # The middle of the first reduced pixel is that of the pixels which it is the mean of.
-    place = factor * saddles.place[list(lattice.spots.values())] + 0.5 * (factor - 1)
+    place = level.in_full(saddles.place[list(lattice.spots.values())])
     return _Found(Corners(index[own], place[own], [None] * int(own.sum())), None, seen)

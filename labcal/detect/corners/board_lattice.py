@@ -1,7 +1,9 @@
 """Lattices of saddle points: crosses along their edges as seeds, grown as grids of dots are."""
 
 import numpy as np
+from scipy.spatial import cKDTree
 
+from labcal.detect.corners.node_grid import ahead, behind
 from labcal.detect.corners.saddles import Saddles
 from labcal.detect.lattice.growth import GrowthLimits, drop_inconsistent, grow, keep_largest_part
 from labcal.detect.lattice.lattice import Lattice, Node
@@ -64,8 +66,6 @@ def find_board_lattices(
 
 def _crosses(saddles: Saddles, settings: DetectSettings) -> tuple[np.ndarray, np.ndarray]:
     """Return the next corners along both edges, (n, 4), and their misfit; infinite where one is missing."""
-    from scipy.spatial import cKDTree  # noqa: PLC0415 -- takes a while to import
-
     n = len(saddles.place)
     distance, near = cKDTree(saddles.place).query(saddles.place, k=min(_NEIGHBOURS + 1, n))
     distance, near = distance[:, 1:], near[:, 1:]
@@ -123,9 +123,7 @@ def lattice_colours(grid: np.ndarray, saddles: Saddles) -> np.ndarray:
     way = np.zeros((*grid.shape, 2))
     has = known.copy()
     for axis in (0, 1):
-        ahead = np.diff(place, axis=axis)
-        pad = np.full_like(np.take(place, [0], axis=axis), np.nan)
-        after, before = np.concatenate([ahead, pad], axis=axis), np.concatenate([pad, ahead], axis=axis)
+        after, before = ahead(place, axis), behind(place, axis)
         step = np.where(np.isfinite(after), after, before)
         has &= np.isfinite(step[..., 0])
         way += np.nan_to_num(step / np.linalg.norm(step, axis=-1, keepdims=True))

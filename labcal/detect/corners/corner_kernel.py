@@ -10,6 +10,7 @@ from labcal.detect.compiled import compiled
 
 PARAMETERS = 10
 """Corner 2, angles of the edges' normals 2, blurs 2, mean, half step, slope of the light 2."""
+_FIRST_BLUR, _LAST_BLUR = 4, 5
 LIGHT_KNOWN = 8
 """Free parameters of a fit that takes the slope of the light, the last two, for known."""
 CHESSBOARD, WEDGE = 0, 1
@@ -217,7 +218,7 @@ def settled(
         far = max(far, max(abs(change[2]), abs(change[3])) / limits.max_turn_rad)
         for i in range(PARAMETERS):
             moved = state[i] + change[i] / far
-            if 4 <= i < 6:  # noqa: PLR2004 -- the blurs, which may at most double or halve
+            if _FIRST_BLUR <= i <= _LAST_BLUR:  # at most doubled or halved
                 moved = max(min(max(moved, 0.5 * state[i]), 2.0 * state[i]), limits.min_blur_px)
             state[i] = moved
         if max(abs(change[0]), abs(change[1])) < tolerance:

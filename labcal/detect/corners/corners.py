@@ -54,9 +54,12 @@ class Corners:
 
     def spans_a_plane(self) -> bool:
         """Tell whether there are corners enough for a homography, and not all on one line."""
-        if len(self.index) < _FEWEST:
-            return False
-        return int(np.linalg.matrix_rank(self.index - self.index[0])) > 1
+        return spans_a_plane(self.index)
+
+
+def spans_a_plane(index: Int[np.ndarray, "n 2"]) -> bool:
+    """Tell whether corners, by (col, row), are enough for a homography, and not all on one line."""
+    return len(index) >= _FEWEST and int(np.linalg.matrix_rank(index - index[0])) > 1
 
 
 @dataclass(frozen=True)

@@ -92,17 +92,7 @@ def markers_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSet
     """
     every, seen = seen, seen.on(board)
     on_board = _on_board(board)[seen.number - board.first_id]
-    seeds: list[int] = []
-    if len(seen.number):
-        seeds = sorted(set(np.linspace(0, len(seen.number) - 1, _SEEDS).astype(int).tolist()))
-    best: list[int] = []
-    for seed in seeds:
-        if seed in best:
-            continue
-        agreeing = agreeing_markers(seed, seen, on_board, settings.max_marker_residual_squares)
-        best = max(best, agreeing, key=len)
-    if len(best) < _LEAST_AGREEING or 2 * len(best) < len(np.unique(seen.number)):
-        best = []
+    best = markers_that_agree(seen, on_board, settings.max_marker_residual_squares)
     placed = seen.select(np.array(sorted(best), dtype=np.int64))
     if best and _goes_on(every, placed, board, settings):
         return SeenMarkers.none()
@@ -194,7 +184,23 @@ def _goes_on(every: SeenMarkers, placed: SeenMarkers, board: CharucoBoard, setti
     return False
 
 
-def agreeing_markers(
+def markers_that_agree(
+    seen: SeenMarkers, on_board: Float64[np.ndarray, "n 4 2"], limit_squares: float
+) -> list[int]:
+    """Return the largest set of markers that agree, by number in `seen`; none where that is no evidence.
+
+    Evidence are two markers or more, and at least half of the ids.
+    """
+    best: list[int] = []
+    if len(seen.number):
+        for seed in sorted(set(np.linspace(0, len(seen.number) - 1, _SEEDS).astype(int).tolist())):
+            if seed not in best:
+                best = max(best, _agreeing(seed, seen, on_board, limit_squares), key=len)
+    is_evidence = len(best) >= _LEAST_AGREEING and 2 * len(best) >= len(np.unique(seen.number))
+    return best if is_evidence else []
+
+
+def _agreeing(
     seed: int, seen: SeenMarkers, on_board: Float64[np.ndarray, "n 4 2"], limit_squares: float
 ) -> list[int]:
     """Return the markers that agree with one, by number in `seen`; of one id the first that does."""

@@ -25,10 +25,7 @@ def why_not_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSet
         return Refusal.NO_MARKERS, ""
     last = board.first_id + board.marker_count - 1
     numbers = sorted(set(seen.number.tolist()))
-    noun = "Marker" if len(numbers) == 1 else "Markers"
-    were = "was" if len(numbers) == 1 else "were"
-    detail = f"{noun} {ranges(numbers)} of {board.dictionary} {were} read; "
-    detail += f"the target has {board.first_id} to {last}."
+    detail = ids_read("Marker", numbers, str(board.dictionary), (board.first_id, last))
     first = _first_id(seen, board, settings)
     if first is not None:
         return Refusal.OTHER_IDS, f"{detail} They fit the board with first_id: {first}."
@@ -58,7 +55,26 @@ def _first_id(seen: SeenMarkers, board: CharucoBoard, settings: CornerSettings) 
     return most[0] if len(most) == 1 else None
 
 
-def ranges(numbers: list[int]) -> str:
+def ids_read(noun: str, numbers: list[int], dictionary: str, own: tuple[int, int]) -> str:
+    """Return a sentence on the ids that were read in a picture, and those that the target has.
+
+    Parameters
+    ----------
+    noun : str
+        Of one of them.
+    numbers : list of int
+        Sorted, each once.
+    dictionary : str
+    own : (int, int)
+        First and last one of the target.
+    """
+    words = f"{noun} {_ranges(numbers)} of {dictionary} was"
+    if len(numbers) > 1:
+        words = f"{noun}s {_ranges(numbers)} of {dictionary} were"
+    return f"{words} read; the target has {own[0]} to {own[1]}."
+
+
+def _ranges(numbers: list[int]) -> str:
     """Return sorted numbers as ranges in words: ``3, 7 to 9``."""
     starts = [numbers[0], *(after for before, after in pairwise(numbers) if after > before + 1)]
     ends = [*(before for before, after in pairwise(numbers) if after > before + 1), numbers[-1]]

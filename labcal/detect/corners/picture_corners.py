@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from labcal.arrays import DotIndices
 from labcal.detect.corners.corner_fit import is_cut, judge
 from labcal.detect.corners.corner_judgement import CornerFit
-from labcal.detect.corners.corners import Corners
+from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.edge_waves import wavelengths
 from labcal.detect.dots import PictureDots
 from labcal.detect.edges.noise import noise_factor
@@ -62,6 +63,23 @@ def picture_corners(
         outline=np.full((n, 2, 2), np.nan),
     )
     return dots if refusal is None else dots.refused(refusal)
+
+
+def refused_as_few(dots: PictureDots, placed: DotIndices, detail: str) -> PictureDots:
+    """Return the corners of a picture, refused because too few of them are measured.
+
+    Parameters
+    ----------
+    dots : PictureDots
+        As of :func:`picture_corners`.
+    placed : ndarray of int, shape (n, 2)
+        (col, row) of the corners that markers place.
+    detail : str
+        What was found, for people.
+    """
+    whole = np.array([flag is not DotFlag.CUT for flag in dots.flag], dtype=bool)
+    torn = spans_a_plane(placed) and spans_a_plane(dots.index[whole])
+    return dots.refused(Refusal.TORN_CORNERS if torn else Refusal.TOO_FEW_DOTS, detail)
 
 
 def _factor(fits: list[CornerFit], settings: EdgeSettings) -> float:

@@ -4,13 +4,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Pixels
-from labcal.detect.corners.marker_places import SeenMarkers, agreeing_markers, through_markers
+from labcal.detect.corners.marker_places import SeenMarkers, markers_that_agree, through_markers
 from labcal.detect.corners.tag_quads import SeenTags
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.april_grid import AprilGrid
 
-_SEEDS = 12
-_LEAST_AGREEING = 2
 _NEAREST = 3
 """Tags in place that predict the next one."""
 
@@ -36,17 +34,9 @@ def tags_in_place(seen: SeenTags, grid: AprilGrid, settings: CornerSettings) -> 
     """
     number = seen.number - grid.first_id
     own = np.flatnonzero((number >= 0) & (number < grid.tag_count))
-    if len(own) == 0:
-        return {}
     tags = SeenMarkers(number[own], seen.corners[own])
     on_board = tag_corners(grid)[tags.number]
-    best: list[int] = []
-    for seed in sorted(set(np.linspace(0, len(own) - 1, _SEEDS).astype(int).tolist())):
-        if seed not in best:
-            limit = settings.max_marker_residual_squares * grid.tag_spacing
-            best = max(best, agreeing_markers(seed, tags, on_board, limit), key=len)
-    if len(best) < _LEAST_AGREEING or 2 * len(best) < len(np.unique(tags.number)):
-        return {}
+    best = markers_that_agree(tags, on_board, settings.max_marker_residual_squares * grid.tag_spacing)
     return {int(tags.number[k]): tags.corners[k] for k in best}
 
 

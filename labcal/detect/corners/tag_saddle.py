@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.detect.corners.corner_fit import SettledCorner, is_cut, settle
+from labcal.detect.corners.corner_kernel import CHESSBOARD
 from labcal.detect.corners.corner_model import CornerPixels
+from labcal.detect.corners.tag_window import TagWindow, first_state, normal_towards
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
 
@@ -84,21 +86,14 @@ def fit_tag_saddle(grey: GreyPicture, corner: TagSaddle, settings: CornerSetting
 
 def _window(grey: GreyPicture, corner: TagSaddle, guard: float, settings: CornerSettings) -> CornerPixels:
     """Select the pixels along the four edges that meet; `guard` is in tags."""
-    height, width = grey.shape
     longest = float(np.sqrt(settings.reach_bend_px * max(grey.shape)))
-    reach = max(settings.min_reach_px, longest)
-    low = np.maximum(np.ceil(corner.centre - reach), 0).astype(int)
-    high = np.minimum(np.floor(corner.centre + reach), [width - 1, height - 1]).astype(int)
-    if (high < low).any():
-        return CornerPixels(np.zeros((0, 0), dtype=bool), np.zeros((2, 0)), np.zeros(0), _FAR)
-    y, x = np.mgrid[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64)
-    offset = np.stack([x.ravel() - corner.centre[0], y.ravel() - corner.centre[1]])
-    along = np.linalg.solve(corner.edges, offset)
-    nearest, farthest = along.min(axis=0), along.max(axis=0)
-    mask = (nearest > -_TO_MIDDLE * corner.gap) & (farthest < _TO_MIDDLE)
-    mask &= (nearest < corner.border - guard) & (np.hypot(*offset) < reach)
-    value = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64).ravel()[mask]
-    return CornerPixels(mask.reshape(x.shape), offset[:, mask], value, _FAR)
+    form = TagWindow(corner.centre, corner.edges, max(settings.min_reach_px, longest), _FAR, CHESSBOARD)
+    return form.pixels(
+        grey,
+        lambda nearest, farthest: (
+            (nearest > -_TO_MIDDLE * corner.gap) & (farthest < _TO_MIDDLE) & (nearest < corner.border - guard)
+        ),
+    )
 
 
 def _begin(grey: GreyPicture, corner: TagSaddle, settings: CornerSettings) -> np.ndarray | None:
@@ -107,13 +102,5 @@ def _begin(grey: GreyPicture, corner: TagSaddle, settings: CornerSettings) -> np
     if len(window.value) < settings.min_pixels:
         return None
     first, second = corner.edges.T
-    into_first = np.array([-first[1], first[0]])
-    into_first = into_first * np.sign(into_first @ second)
-    out_of_second = np.array([-second[1], second[0]])
-    out_of_second = -out_of_second * np.sign(out_of_second @ first)
-    angles = [float(np.arctan2(one[1], one[0])) for one in (into_first, out_of_second)]
-    black, white = np.percentile(window.value, [10, 90])
-    blur = settings.first_blur_px
-    return np.array(
-        [0.0, 0.0, *angles, blur, blur, (black + white) / 2, (white - black) / 2, 0.0, 0.0], dtype=np.float64
-    )
+    normals = normal_towards(first, second), -normal_towards(second, first)
+    return first_state(window, normals, settings.first_blur_px)

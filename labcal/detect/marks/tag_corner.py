@@ -8,6 +8,7 @@ from labcal.detect.corners.corner_fit import SettledCorner, is_cut, judge, settl
 from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corner_kernel import WEDGE
 from labcal.detect.corners.corner_model import CornerPixels
+from labcal.detect.corners.tag_window import TagWindow, first_state, normal_towards
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
 
@@ -78,21 +79,15 @@ def fit_tag_corner(grey: GreyPicture, corner: TagCorner, settings: CornerSetting
 
 def _window(grey: GreyPicture, corner: TagCorner, guard: float, settings: CornerSettings) -> CornerPixels:
     """Select the pixels along the edges of a corner, with the border within and the quiet zone beyond."""
-    height, width = grey.shape
     longest = float(np.sqrt(settings.reach_bend_px * max(grey.shape)))
     reach = min(max(settings.min_reach_px, longest), float(np.linalg.norm(corner.edges, axis=0).max()))
-    low = np.maximum(np.ceil(corner.centre - reach), 0).astype(int)
-    high = np.minimum(np.floor(corner.centre + reach), [width - 1, height - 1]).astype(int)
-    if (high < low).any():
-        return CornerPixels(np.zeros((0, 0), dtype=bool), np.zeros((2, 0)), np.zeros(0), np.ones(2), WEDGE)
-    y, x = np.mgrid[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64)
-    offset = np.stack([x.ravel() - corner.centre[0], y.ravel() - corner.centre[1]])
-    along = corner.cells * np.linalg.solve(corner.edges, offset)
-    nearest, farthest = along.min(axis=0), along.max(axis=0)
-    mask = (nearest > -_QUIET_CELLS) & (nearest < 1.0 - guard) & (farthest < _TO_MIDDLE * corner.cells)
-    mask &= np.hypot(*offset) < reach
-    value = grey[low[1] : high[1] + 1, low[0] : high[0] + 1].astype(np.float64).ravel()[mask]
-    return CornerPixels(mask.reshape(x.shape), offset[:, mask], value, np.ones(2), WEDGE)
+    form, cells = TagWindow(corner.centre, corner.edges, reach, np.ones(2), WEDGE), corner.cells
+    return form.pixels(
+        grey,
+        lambda nearest, farthest: (
+            (cells * nearest > -_QUIET_CELLS) & (cells * nearest < 1.0 - guard) & (farthest < _TO_MIDDLE)
+        ),
+    )
 
 
 def _begin(grey: GreyPicture, corner: TagCorner, settings: CornerSettings) -> np.ndarray | None:
@@ -101,11 +96,5 @@ def _begin(grey: GreyPicture, corner: TagCorner, settings: CornerSettings) -> np
     if len(window.value) < settings.min_pixels:
         return None
     first, second = corner.edges.T
-    normals = []
-    for edge, inward in ((first, second), (second, first)):
-        normal = np.array([-edge[1], edge[0]])
-        normals.append(normal * np.sign(normal @ inward))
-    angles = [float(np.arctan2(normal[1], normal[0])) for normal in normals]
-    black, white = np.percentile(window.value, [10, 90])
-    blur = settings.first_blur_px
-    return np.array([0.0, 0.0, *angles, blur, blur, (black + white) / 2, (white - black) / 2, 0.0, 0.0])
+    normals = normal_towards(first, second), normal_towards(second, first)
+    return first_state(window, normals, settings.first_blur_px)
