@@ -37,7 +37,7 @@ from labcal.cameras.interop.lens_parameters import (
     opencv_model,
     perspective_lens,
 )
-from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
+from labcal.cameras.interop.numbers_text import finite_numbers, known_size, number_text
 from labcal.cameras.interop.opencv_camera import COUNTS, given_fisheye
 from labcal.cameras.interop.placement import rig_of, rounded_pose
 from labcal.cameras.lens import FISHEYE as FISHEYE_LENS
@@ -143,7 +143,7 @@ def _pose(camera: Table, key: str, path: Path) -> tuple[Pose, tuple[str, ...]]:
     """Return a camera's pose, and a note if a rounded rotation was corrected."""
     turn = np.array(finite_numbers(_rows(camera["rotation"]), (3, 9), f"rotation of [{key}]", path))
     t = np.array(finite_numbers(_rows(camera["translation"]), (3,), f"translation of [{key}]", path))
-    if len(turn) == 3:  # noqa: PLR2004 -- a rotation vector
+    if turn.shape == t.shape:  # a rotation vector
         return from_rotation_vector(turn, t), ()
     return rounded_pose(turn.reshape(3, 3), t, path)
 
@@ -170,22 +170,8 @@ def _camera(camera: Table, key: str, T_cam_world: Pose, given: ReadOptions, path
     if (fisheye and len(coefficients) < FISHEYE_COEFFICIENTS) or (fisheye and any(coefficients[4:])):
         raise InputError(f"{path}: a fisheye has 4 distortions, but [{key}] has {len(coefficients)}.")
     lens = fisheye_lens(coefficients[:4]) if fisheye else perspective_lens(coefficients)
-    size = _size(camera.get("size"), given, key, path)
+    size = known_size(camera.get("size"), given.size, path, f"the pictures of [{key}]")
     return camera_record(intrinsics_of(numbers, path), lens, T_cam_world, size, path)
-
-
-def _size(stated: object, given: ReadOptions, key: str, path: Path) -> tuple[int, int]:
-    """Return the size of the pictures, which the file states or a person does."""
-    if stated is None:
-        if given.size is None:
-            raise InputError(
-                f"{path} does not state how large the pictures of [{key}] are. Give it: `size='1280x960'`."
-            )
-        return given.size
-    size = picture_size(stated, path)
-    if given.size not in (None, size):
-        raise InputError(f"{path} states a picture size of {size[0]}x{size[1]}. Leave `size` out.")
-    return size
 
 
 ANIPOSE = RigFormat(

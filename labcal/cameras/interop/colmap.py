@@ -10,18 +10,22 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
+
+from labcal.arrays import Pose
 from labcal.cameras.interop.colmap_lenses import COUNTS
 from labcal.cameras.interop.colmap_model import (
     PLACE,
-    ColmapModel,
     ModelCamera,
     ModelFrame,
     ModelImage,
+    ModelReaders,
     ModelRig,
     model_of,
     place_of,
     placed,
-    rig_of_model,
+    rig_of_files,
+    rig_of_seats,
 )
 from labcal.cameras.interop.exchange import (
     NOTHING_GIVEN,
@@ -44,6 +48,8 @@ _CAMERA_LINE = rf"^\d+ ({'|'.join(COUNTS)}) \d+ \d+ |CAMERA_ID, MODEL, WIDTH, HE
 _SENSOR = "CAMERA"
 _SENSORS, _DATA = (f"{what}[] as (SENSOR_TYPE, SENSOR_ID," for what in ("SENSORS", "DATA_IDS"))
 _OF_A_POINT = 3
+_MOST_DIGITS = 19
+"""Of a number of 64 bits."""
 Entry = TypeVar("Entry")
 
 
@@ -63,21 +69,14 @@ def read_colmap(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIV
     by_name = {source.path.name: source for source in sources}
     if _CAMERAS not in by_name and len(sources) == 1 and recognises(sources[0].text):
         by_name = {_CAMERAS: sources[0]}
-    if _CAMERAS not in by_name:
-        raise InputError(f"A model of COLMAP is a folder with {_CAMERAS} and {_IMAGES}. Give the folder.")
-    cameras = _entries(by_name[_CAMERAS], _camera)
-    if _IMAGES not in by_name and len(cameras) > 1:
-        raise InputError(
-            f"{by_name[_CAMERAS].path} holds {len(cameras)} cameras, whose places stand in {_IMAGES}. Give "
-            "the folder with both."
-        )
-    model = ColmapModel(
-        tuple(cameras),
-        tuple(_images(by_name[_IMAGES])) if _IMAGES in by_name else (),
-        tuple(_entries(by_name[_RIGS], _rig)) if _RIGS in by_name else (),
-        tuple(_entries(by_name[_FRAMES], _frame)) if _FRAMES in by_name else (),
+    readers = ModelReaders(
+        ".txt",
+        lambda source: _entries(source, _camera),
+        _images,
+        lambda source: _entries(source, _rig),
+        lambda source: _entries(source, _frame),
     )
-    return rig_of_model(model, by_name[_CAMERAS].path)
+    return rig_of_files(by_name, readers)
 
 
 def write_colmap(rig: Rig, _suffix: str) -> RigTexts:
@@ -150,7 +149,7 @@ def _entries(source: SourceText, entry: Callable[[Iterator[str], Path], Entry]) 
 def _whole(words: Iterator[str], what: str, path: Path) -> int:
     """Return a number of a thing, or how many there are."""
     word = next(words)
-    if not (word.isascii() and word.isdigit() and len(word) < 20):  # noqa: PLR2004 -- digits of 64 bits
+    if not (word.isascii() and word.isdigit() and len(word) <= _MOST_DIGITS):
         raise InputError(f"{path}: {what} should be a whole number, but is '{word:.40}'.")
     return int(word)
 
@@ -178,19 +177,15 @@ def _sensor(words: Iterator[str], path: Path) -> tuple[bool, int]:
 def _rig(words: Iterator[str], path: Path) -> ModelRig:
     """Return the rig of one line."""
     number, count = _whole(words, "a RIG_ID", path), _whole(words, "NUM_SENSORS", path)
-    seats = {}
+    seats = []
     for at in range(count):
         is_camera, sensor = _sensor(words, path)
-        T = None
-        if at == 0:
-            T = placed((1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), "the reference sensor", path)
-        elif _whole(words, "HAS_POSE", path) == 1:
+        T: Pose | None = np.eye(4) if at == 0 else None  # the first one is the reference
+        if at > 0 and _whole(words, "HAS_POSE", path) == 1:
             T = placed(_place(words, path), f"sensor {sensor} of rig {number}", path)
         if is_camera:
-            if sensor in seats:
-                raise InputError(f"{path}: camera {sensor} occurs twice in rig {number}.")
-            seats[sensor] = T
-    return ModelRig(number, seats)
+            seats.append((sensor, T))
+    return rig_of_seats(number, seats, path)
 
 
 def _frame(words: Iterator[str], path: Path) -> ModelFrame:

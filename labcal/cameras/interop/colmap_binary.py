@@ -9,18 +9,22 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
+
+from labcal.arrays import Pose
 from labcal.cameras.interop.colmap_lenses import COUNTS
 from labcal.cameras.interop.colmap_model import (
     PLACE,
-    ColmapModel,
     ModelCamera,
     ModelFrame,
     ModelImage,
+    ModelReaders,
     ModelRig,
     model_of,
     place_of,
     placed,
-    rig_of_model,
+    rig_of_files,
+    rig_of_seats,
 )
 from labcal.cameras.interop.exchange import (
     NOTHING_GIVEN,
@@ -44,7 +48,6 @@ _SENSOR = 0
 _POINT_BYTES = 24
 _MOST = 2**20
 """Of entries in a file."""
-_IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 Entry = TypeVar("Entry")
 
 
@@ -118,22 +121,14 @@ def read_colmap_binary(sources: Sequence[SourceText], _given: ReadOptions = NOTH
     InputError
         A file is missing or damaged, a camera model has no counterpart, or a camera has more than one place.
     """
-    by_name = {source.path.name: source for source in sources}
-    if _CAMERAS not in by_name:
-        raise InputError(f"A model of COLMAP is a folder with {_CAMERAS} and {_IMAGES}. Give the folder.")
-    cameras = _Bytes(by_name[_CAMERAS]).entries(_camera)
-    if _IMAGES not in by_name and len(cameras) > 1:
-        raise InputError(
-            f"{by_name[_CAMERAS].path} holds {len(cameras)} cameras, whose places stand in {_IMAGES}. Give "
-            "the folder with both."
-        )
-    model = ColmapModel(
-        cameras,
-        _Bytes(by_name[_IMAGES]).entries(_image) if _IMAGES in by_name else (),
-        _Bytes(by_name[_RIGS]).entries(_rig) if _RIGS in by_name else (),
-        _Bytes(by_name[_FRAMES]).entries(_frame) if _FRAMES in by_name else (),
+    readers = ModelReaders(
+        ".bin",
+        lambda source: _Bytes(source).entries(_camera),
+        lambda source: _Bytes(source).entries(_image),
+        lambda source: _Bytes(source).entries(_rig),
+        lambda source: _Bytes(source).entries(_frame),
     )
-    return rig_of_model(model, by_name[_CAMERAS].path)
+    return rig_of_files({source.path.name: source for source in sources}, readers)
 
 
 def write_colmap_binary(rig: Rig, _suffix: str) -> RigTexts:
@@ -206,19 +201,15 @@ def _image(left: _Bytes) -> ModelImage:
 
 def _rig(left: _Bytes) -> ModelRig:
     number, count = left.whole("I"), left.whole("I")
-    seats = {}
+    seats = []
     for at in range(count):
         kind, sensor = left.whole("i"), left.whole("I")
-        T = None
-        if at == 0:
-            T = placed(_IDENTITY, "the reference sensor", left.path)
-        elif left.whole("B"):
+        T: Pose | None = np.eye(4) if at == 0 else None  # the first one is the reference
+        if at > 0 and left.whole("B"):
             T = placed(left.place(), f"sensor {sensor} of rig {number}", left.path)
         if kind == _SENSOR:
-            if sensor in seats:
-                raise InputError(f"{left.path}: camera {sensor} occurs twice in rig {number}.")
-            seats[sensor] = T
-    return ModelRig(number, seats)
+            seats.append((sensor, T))
+    return rig_of_seats(number, seats, left.path)
 
 
 def _frame(left: _Bytes) -> ModelFrame:

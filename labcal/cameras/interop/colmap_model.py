@@ -8,7 +8,7 @@ labcal writes millimetres and takes a model for millimetres.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.interop.colmap_lenses import camera_of, parameters_of
-from labcal.cameras.interop.exchange import ReadRig
+from labcal.cameras.interop.exchange import ReadRig, SourceText
 from labcal.cameras.interop.placement import rig_of
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
@@ -77,6 +77,59 @@ class ColmapModel:
     images: tuple[ModelImage, ...] = ()
     rigs: tuple[ModelRig, ...] = ()
     frames: tuple[ModelFrame, ...] = ()
+
+
+@dataclass(frozen=True)
+class ModelReaders:
+    """Readers of the files of a folder, which are alike but for their form."""
+
+    ending: str
+    """Of their names."""
+    cameras: Callable[[SourceText], Iterable[ModelCamera]]
+    images: Callable[[SourceText], Iterable[ModelImage]]
+    rigs: Callable[[SourceText], Iterable[ModelRig]]
+    frames: Callable[[SourceText], Iterable[ModelFrame]]
+
+
+def rig_of_files(sources: Mapping[str, SourceText], readers: ModelReaders) -> ReadRig:
+    """Return labcal's rig of the files of a folder, by name; of one camera the list of cameras is enough.
+
+    Raises
+    ------
+    InputError
+        The list of cameras is missing, or that of images of several cameras, or as of :func:`rig_of_model`.
+    """
+    cameras, images, rigs, frames = (
+        f"{what}{readers.ending}" for what in ("cameras", "images", "rigs", "frames")
+    )
+    if cameras not in sources:
+        raise InputError(f"A model of COLMAP is a folder with {cameras} and {images}. Give the folder.")
+    listed, path = tuple(readers.cameras(sources[cameras])), sources[cameras].path
+    if images not in sources and len(listed) > 1:
+        raise InputError(
+            f"{path} holds {len(listed)} cameras, whose places stand in {images}. Give the folder with both."
+        )
+    model = ColmapModel(
+        listed,
+        tuple(readers.images(sources[images])) if images in sources else (),
+        tuple(readers.rigs(sources[rigs])) if rigs in sources else (),
+        tuple(readers.frames(sources[frames])) if frames in sources else (),
+    )
+    return rig_of_model(model, path)
+
+
+def rig_of_seats(number: int, seats: Sequence[tuple[int, Pose | None]], source: Path) -> ModelRig:
+    """Return a rig of its cameras and their places.
+
+    Raises
+    ------
+    InputError
+        A camera occurs twice.
+    """
+    twice, count = Counter(camera for camera, _ in seats).most_common(1)[0] if seats else (0, 1)
+    if count > 1:
+        raise InputError(f"{source}: camera {twice} occurs twice in rig {number}.")
+    return ModelRig(number, dict(seats))
 
 
 def placed(numbers: Sequence[float], what: str, source: Path) -> Pose:

@@ -23,7 +23,11 @@ _NUMBERS = {
 }  # fmt: skip
 _WORDS = {16: "utf-8", 17: "utf-16", 18: "utf-32", 1: "latin-1", 2: "latin-1", 4: "utf-16"}
 _STRUCT, _CHAR, _DOUBLE = 2, 4, 6
-_CLASSES = {1: "a cell array", 3: "an object", 5: "a sparse matrix", 16: "a function", 17: "an object"}
+_OPAQUE = 17
+"""An object of MATLAB, whose layout is not published."""
+_FLAGS, _ROWS_AND_COLUMNS = 2, 2
+"""Least numbers of flags (the class, and room in sparse arrays) and of dimensions."""
+_CLASSES = {1: "a cell array", 3: "an object", 5: "a sparse matrix", 16: "a function", _OPAQUE: "an object"}
 _NUMERIC = range(6, 16)
 _MOST_BYTES = 2**24
 _MOST_DEEP, _MOST_FIELDS = 20, 1000
@@ -135,14 +139,14 @@ def _matrix(left: _Elements, depth: int) -> tuple[str, Value]:
     if depth > _MOST_DEEP:
         raise left.damaged("structs lie in each other too deep")
     flags = left.numbers("the flags of an array")
-    if flags.dtype.kind != "u" or len(flags) < 2:  # noqa: PLR2004 -- the class, and room in sparse ones
+    if flags.dtype.kind != "u" or len(flags) < _FLAGS:
         raise left.damaged("an array has no flags")
     kind = int(flags[0]) & 0xFF
-    if kind == 17:  # noqa: PLR2004 -- an object of MATLAB, whose layout is not published
+    if kind == _OPAQUE:
         return _word(left, "a name"), Unread(_CLASSES[kind])
     dims = left.numbers("the dimensions of an array")
     name = _word(left, "a name")
-    if dims.dtype.kind != "i" or len(dims) < 2 or (dims < 0).any():  # noqa: PLR2004 -- rows and columns
+    if dims.dtype.kind != "i" or len(dims) < _ROWS_AND_COLUMNS or (dims < 0).any():
         raise left.damaged(f"'{name:.40}' has no dimensions")
     count = int(np.prod(dims.astype(object)))
     if kind == _STRUCT:

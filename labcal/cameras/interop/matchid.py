@@ -24,7 +24,7 @@ from labcal.cameras.interop.exchange import (
     SourceText,
 )
 from labcal.cameras.interop.lens_parameters import camera_record, held_coefficients, perspective_lens
-from labcal.cameras.interop.numbers_text import finite_number, number_text
+from labcal.cameras.interop.numbers_text import finite_number, known_size, number_text
 from labcal.cameras.interop.placement import poses_from_first, rig_of
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
@@ -63,8 +63,7 @@ def read_matchid(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIV
     numbers = sorted({label[3] for label in values if re.match(r"cam\d_fx", label)})
     if len(numbers) != _PAIR:
         raise InputError(f"{path} is no .caldat: it should hold Cam0_Fx and Cam1_Fx, each with a number.")
-    if given.size is None:
-        raise InputError(f"{path} does not state how large the pictures are. Give it: `size='1280x960'`.")
+    size = known_size(None, given.size, path)
     t = np.array([_number(values, label, path) for label in _SHIFT])
     angles = [_number(values, label, path) for label in _TURN]
     poses = [np.eye(4), pose(from_fixed_angles_deg(angles), t)]
@@ -76,7 +75,7 @@ def read_matchid(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIV
             raise InputError(f"{path}: camera {camera} has a skew, which labcal's cameras do not have.")
         lens = perspective_lens([one[name] for name in _COEFFICIENTS])
         intrinsics = [one[name] for name in ("Fx", "Fy", "Cx", "Cy")]
-        records.append(camera_record(intrinsics, lens, T, given.size, path))
+        records.append(camera_record(intrinsics, lens, T, size, path))
     return ReadRig(rig_of([f"cam{number}" for number in numbers], records), (_ORIGIN,))
 
 

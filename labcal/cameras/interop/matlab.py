@@ -32,7 +32,7 @@ from labcal.cameras.interop.lens_parameters import (
     perspective_lens,
 )
 from labcal.cameras.interop.mat_file import HEADER, Unread, Value, mat_bytes, read_mat
-from labcal.cameras.interop.numbers_text import finite_numbers, picture_size
+from labcal.cameras.interop.numbers_text import finite_numbers, known_size
 from labcal.cameras.interop.placement import poses_from_first, rig_of, rounded_pose
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
@@ -174,23 +174,18 @@ def _camera(fields: Fields, T_cam_world: Pose, given: ReadOptions, path: Path) -
     radial = _numbers(fields, "RadialDistortion", (2, 3), path)
     k1, k2, k3 = (*radial, 0.0)[:3]
     p1, p2 = _numbers(fields, "TangentialDistortion", (2,), path)
-    size = _size(fields, given, path)
+    size = known_size(_stated_size(fields, path), given.size, path)
     numbers = (fx, fy, cx - _FIRST_PIXEL, cy - _FIRST_PIXEL)
     return camera_record(numbers, perspective_lens((k1, k2, p1, p2, k3)), T_cam_world, size, path)
 
 
-def _size(fields: Fields, given: ReadOptions, path: Path) -> tuple[int, int]:
-    """Return the size of the pictures, which the file states or a person does."""
+def _stated_size(fields: Fields, path: Path) -> list[float] | None:
+    """Return width and height of the pictures; None of a struct without them."""
     value = fields.get("ImageSize")
     if value is None or (isinstance(value, np.ndarray) and value.size == 0):
-        if given.size is None:
-            raise InputError(f"{path} does not state how large the pictures are. Give it: `size='1280x960'`.")
-        return given.size
+        return None
     height, width = _numbers(fields, "ImageSize", (2,), path)
-    size = picture_size([width, height], path)
-    if given.size not in (None, size):
-        raise InputError(f"{path} states a picture size of {size[0]}x{size[1]}. Leave `size` out.")
-    return size
+    return [width, height]
 
 
 MATLAB = RigFormat(

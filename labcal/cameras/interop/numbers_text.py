@@ -79,6 +79,36 @@ def picture_size(values: object, source: Path) -> tuple[int, int]:
     return (int(width), int(height))
 
 
+def known_size(
+    stated: object, given: tuple[int, int] | None, source: Path, of: str = "the pictures"
+) -> tuple[int, int]:
+    """Return the size of the pictures, px, which a file states or a person does.
+
+    Parameters
+    ----------
+    stated : object
+        What the file states; None for nothing.
+    given : (int, int), optional
+        What a person states.
+    source : Path
+    of : str
+        The pictures, for messages.
+
+    Raises
+    ------
+    InputError
+        Nobody states it, both do otherwise, or as of :func:`picture_size`.
+    """
+    if stated is None:
+        if given is None:
+            raise InputError(f"{source} does not state how large {of} are. Give it: `size='1280x960'`.")
+        return given
+    size = picture_size(stated, source)
+    if given not in (None, size):
+        raise InputError(f"{source} states a picture size of {size[0]}x{size[1]}. Leave `size` out.")
+    return size
+
+
 def _shown(value: object) -> str:
     """Return a value for a message, not too much of it."""
     known = isinstance(value, (str, int, float, type(None)))
