@@ -8,6 +8,8 @@ from labcal.targets.april_grid_outlines import tag_cells
 
 PAPER_CELLS = 3
 """White paper around the print."""
+_ROUNDING = 1e-9
+"""Of a number of cells."""
 _BEYOND = 0.6
 """Share of ink of what lies behind the paper."""
 
@@ -30,7 +32,7 @@ def april_grid_ink(grid: AprilGrid) -> Print:
     black = tag_cells(grid)
     cells = black.shape[1]
     gap = round(cells * grid.tag_spacing)
-    if abs(gap - cells * grid.tag_spacing) > 1e-9:  # noqa: PLR2004 -- rounding
+    if not np.isclose(gap, cells * grid.tag_spacing, rtol=0.0, atol=_ROUNDING):
         raise ValueError("the space between tags should be a whole number of cells")
     pitch, rim = cells + gap, gap + PAPER_CELLS
     shape = (grid.tag_rows * pitch + gap + 2 * PAPER_CELLS, grid.tag_cols * pitch + gap + 2 * PAPER_CELLS)

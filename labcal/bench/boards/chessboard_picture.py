@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.arrays import Mask, Pixels
-from labcal.bench.marks.drawn_picture import PAPER, Cover, Exposure, drawn, tilted
+from labcal.bench.marks.drawn_picture import PAPER, Cover, Exposure, Print, drawn, tilted
 from labcal.rng import generator
 from labcal.targets.chessboard import Chessboard
 
@@ -179,7 +179,7 @@ def _countable(board: Chessboard, visible: Mask) -> bool:
     return bool(visible.mean() >= IN_SIGHT and visible[around].all())
 
 
-def _ink(board: Chessboard):  # type: ignore[no-untyped-def]  # noqa: ANN202 -- a Print
+def _ink(board: Chessboard) -> Print:
     """Return the print: squares, marks and white paper around them; unit: mm."""
 
     def ink(x: np.ndarray, y: np.ndarray) -> np.ndarray:

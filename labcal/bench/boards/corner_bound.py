@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from labcal.bench.detect.bound import place_bounds
+
 FINER = 5
 """Drawn at so many times the resolution."""
 STEP = 0.02
@@ -61,14 +63,7 @@ def corner_bounds(corner: ImagedCorner, noises: np.ndarray) -> np.ndarray:
     -----
     The inverse of the Fisher information of nine parameters (Kay 1993, section 3.9), its block of the corner.
     """
-    D, share = _derivatives(corner)
-    bounds = []
-    for dark, light in noises.tolist():
-        J = D / np.sqrt(share * dark**2 + (1.0 - share) * light**2)
-        scale = np.linalg.norm(J, axis=1)  # so that the inverse does not care for units
-        scaled = J / scale[:, None]
-        bounds.append((np.linalg.inv(scaled @ scaled.T) / np.outer(scale, scale))[:2, :2])
-    return np.array(bounds)
+    return place_bounds(*_derivatives(corner), noises)
 
 
 def _derivatives(corner: ImagedCorner) -> tuple[np.ndarray, np.ndarray]:

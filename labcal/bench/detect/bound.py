@@ -83,6 +83,21 @@ def centre_bounds(dot: ImagedDot, noises: np.ndarray) -> np.ndarray:
     """
     derivatives, covered, inside = _derivatives(dot)
     D, share = derivatives[:, inside], covered[inside]
+    return place_bounds(D, share, noises)
+
+
+def place_bounds(D: np.ndarray, share: np.ndarray, noises: np.ndarray) -> np.ndarray:
+    """Return the least covariances of the first two parameters of a picture, px squared, shape (k, 2, 2).
+
+    Parameters
+    ----------
+    D : ndarray, shape (p, n)
+        Derivatives of the pixels by the parameters.
+    share : ndarray, shape (n,)
+        Shares of the pixels that are dark.
+    noises : ndarray, shape (k, 2)
+        Standard deviations of dark and of light pixels.
+    """
     bounds = []
     for dark, light in noises.tolist():
         J = D / np.sqrt(share * dark**2 + (1.0 - share) * light**2)
