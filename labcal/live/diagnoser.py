@@ -3,14 +3,12 @@
 import threading
 from collections.abc import Callable
 
-from labcal.correspond.measure import Measurement, detections_of
 from labcal.errors import LabcalError
 from labcal.guide.diagnosis.check_name import CheckName
 from labcal.guide.diagnosis.diagnosing import diagnosed
 from labcal.guide.diagnosis.evidence import Evidence
 from labcal.guide.diagnosis.finding import Finding
 from labcal.live.shoot_dots import ShootDots
-from labcal.shoot.dataset import Shoot
 
 FEWEST_VIEWS = 4
 """Views from which on the dots are judged: three determine a rig and leave little to judge it by."""
@@ -31,7 +29,7 @@ class Diagnoser:
     def __init__(self, dots: ShootDots, report: Callable[[tuple[Finding, ...]], None]) -> None:
         self._dots, self._report = dots, report
         self._changed = threading.Condition()
-        self._waiting: tuple[Shoot, list[Measurement]] | None = None
+        self._waiting: Evidence | None = None
         self._stopped = False
         self._thread = threading.Thread(target=self._run, name="live-diagnosis", daemon=True)
 
@@ -47,14 +45,11 @@ class Diagnoser:
 
     def look(self) -> None:
         """Diagnose the shoot as it is now; a state before it that waits is left out."""
-        try:
-            state = self._dots.all()
-        except LabcalError:  # no view
-            state = None
+        state = self._dots.evidence()
         with self._changed:
             self._waiting = state
             self._changed.notify_all()
-        if state is None or len(state[0].views()) < FEWEST_VIEWS:
+        if state is None or _is_young(state):
             self._report(())
 
     def _run(self) -> None:
@@ -64,19 +59,22 @@ class Diagnoser:
                     self._changed.wait()
                 if self._stopped or self._waiting is None:
                     return
-                (shoot, found), self._waiting = self._waiting, None
-            findings = self._findings(shoot, found)
+                state, self._waiting = self._waiting, None
+            findings = _findings(state)
             with self._changed:
                 if self._waiting is None and not self._stopped:
                     self._report(findings)
 
-    def _findings(self, shoot: Shoot, found: list[Measurement]) -> tuple[Finding, ...]:
-        target = self._dots.target
-        if target is None or len(shoot.views()) < FEWEST_VIEWS:
-            return ()
-        try:
-            evidence = Evidence(target, detections_of(found), shoot, tuple(found))
-            findings = diagnosed(evidence).findings
-        except LabcalError:  # nothing to judge by, or a picture was taken out meanwhile
-            return ()
-        return tuple(one for one in findings if one.check not in UNFINISHED)
+
+def _is_young(state: Evidence) -> bool:
+    return state.shoot is None or len(state.shoot.views()) < FEWEST_VIEWS
+
+
+def _findings(state: Evidence) -> tuple[Finding, ...]:
+    if _is_young(state):
+        return ()
+    try:
+        findings = diagnosed(state).findings
+    except LabcalError:  # nothing to judge by, or a picture was taken out meanwhile
+        return ()
+    return tuple(one for one in findings if one.check not in UNFINISHED)

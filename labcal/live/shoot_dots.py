@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
-from labcal.correspond.measure import Measurement, agreed, measure_picture
+from labcal.cameras.rig import Rig
+from labcal.correspond.measure import Measurement, agreed, detections_of, measure_picture
 from labcal.correspond.sources import shoot_sources
-from labcal.errors import InputError
+from labcal.errors import InputError, LabcalError
+from labcal.guide.diagnosis.evidence import Evidence
 from labcal.shoot.dataset import Shoot, open_shoot
 from labcal.targets.catalogue import AnyTarget
 
@@ -64,6 +66,21 @@ class ShootDots:
             )
         found = [one for view in shoot.views() for one in self.of_view(view.name).values()]
         return shoot, agreed(found, target)
+
+    def evidence(self, rig: Rig | None = None) -> Evidence | None:
+        """Return the shoot as it is now for a diagnosis; None without views, or a target that is known.
+
+        Parameters
+        ----------
+        rig : Rig, optional
+            A calibration of the cameras that is known.
+        """
+        try:
+            shoot, found = self.all()
+        except LabcalError:
+            return None
+        target = self.target
+        return None if target is None else Evidence(target, detections_of(found), shoot, tuple(found), rig)
 
     def _shoot(self) -> Shoot | None:
         try:

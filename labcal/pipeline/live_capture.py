@@ -202,15 +202,12 @@ class _Ending:
 
     def _findings(self, made: "Calibration") -> "tuple[Finding, ...]":
         """Return the findings of the diagnosis of the whole shoot."""
-        from labcal.correspond.measure import detections_of
         from labcal.guide.diagnosis.diagnosing import diagnosed
-        from labcal.guide.diagnosis.evidence import Evidence
 
-        (shoot, found), target = self._dots.all(), self._dots.target
-        if target is None:
+        evidence = self._dots.evidence(made.rig)
+        if evidence is None:
             return ()
         try:
-            evidence = Evidence(target, detections_of(found), shoot, tuple(found), made.rig)
             return diagnosed(evidence).findings
         except InputError:  # no picture shows enough to judge
             return ()

@@ -41,10 +41,11 @@ def dim_pictures(evidence: Evidence, camera: str) -> dict[str, float]:
     evidence : Evidence
     camera : str
     """
-    own = [one for one in _judged(evidence) if one.camera == camera]
+    judged = _judged(evidence)
+    own = [one for one in judged if one.camera == camera]
     if not own:
         return {}
-    alike = [one for one in _judged(evidence) if one.look.size == own[0].look.size]
+    alike = [one for one in judged if one.look.size == own[0].look.size]
     level = _DARKER * float(np.percentile([one.look.paper for one in alike], _BRIGHT))
     dim = [one for one in own if one.look.paper < level]
     right = [one for one in own if one.look.paper >= level]

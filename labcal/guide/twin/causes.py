@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from labcal.guide.twin.cause_designs import CauseKind, cause_design, pose_design
-from labcal.guide.twin.residuals import DotResiduals
+from labcal.guide.twin.residuals import DotResiduals, rms
 
 _P = 1e-3
 """Probability of a gain by chance up to which a cause is named."""
@@ -217,5 +217,5 @@ def _size(kind: CauseKind, fit: Float64[np.ndarray, "n 2"], found: DotResiduals)
     """Return the RMS displacement by a cause, and its unit."""
     if kind in {CauseKind.PRINT, CauseKind.BEND}:
         in_plane = np.einsum("nij,nj->ni", np.linalg.inv(found.by_point[:, :, :2]), fit)
-        return 1e3 * float(np.sqrt((in_plane**2).sum(axis=1).mean())), "um"
-    return float(np.sqrt((fit**2).sum(axis=1).mean())), "px"
+        return 1e3 * rms(in_plane), "um"
+    return rms(fit), "px"

@@ -45,7 +45,7 @@ def with_compression(made: RenderedAgain, job: TwinJob) -> RenderedAgain:
     with_edge = _block_means(edge.astype(np.float32)) > 0.0
     square = [np.zeros(edge.shape, dtype=np.float32) for _ in clean]
     for picture in _drawn(made, job):
-        values = picture[..., None] if picture.ndim == 2 else picture  # noqa: PLR2004 -- grey
+        values = picture.reshape(*picture.shape[:2], -1)
         for channel, light in enumerate(clean):
             off = values[..., channel] - made.stored.values(light)
             square[channel] += off**2 / np.float32(job.draws)

@@ -57,12 +57,17 @@ class DotResiduals:
     @property
     def rms_px(self) -> float:
         """RMS residual, 2-D, px."""
-        return float(np.sqrt((self.residual**2).sum(axis=1).mean()))
+        return rms(self.residual)
 
     @property
     def noise_px(self) -> float:
         """RMS that noise alone makes, 2-D, px."""
         return float(np.sqrt(np.trace(self.covariance, axis1=1, axis2=2).mean()))
+
+
+def rms(vectors: Float64[np.ndarray, "n 2"]) -> float:
+    """Return the root mean square of the lengths of vectors; NaN of none."""
+    return float(np.sqrt((vectors**2).sum(axis=1).mean())) if len(vectors) else float("nan")
 
 
 def dot_residuals(posed: PosedViews, pictures: Sequence[TwinPicture]) -> DotResiduals:

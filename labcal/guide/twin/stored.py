@@ -30,7 +30,7 @@ class StoredValues:
     def of(cls, picture: np.ndarray, curve: ToneCurve, coding: JpegCoding | None = None) -> "StoredValues":
         """Return that of a picture under a tone curve; what is no whole number is light already."""
         if picture.dtype in (np.uint8, np.uint16):
-            channels = picture.shape[2] if picture.ndim == 3 else 1  # noqa: PLR2004 -- colour
+            channels = int(np.prod(picture.shape[2:]))  # 1 of a grey picture
             fits = coding is not None and picture.dtype == np.uint8 and coding.channels == channels
             return cls(str(picture.dtype), curve, coding if fits else None)
         return cls("float32", ToneCurve.LINEAR)

@@ -7,7 +7,7 @@ import numpy as np
 
 from labcal.guide.twin.cause_designs import CauseKind
 from labcal.guide.twin.causes import Cause, Explained
-from labcal.guide.twin.residuals import DotResiduals
+from labcal.guide.twin.residuals import DotResiduals, rms
 from labcal.wording import listed
 
 _SIGMAS = 4.0
@@ -78,7 +78,7 @@ def _moving(cause: Cause, found: DotResiduals, names: Sequence[str]) -> Unexplai
     """Return a cause of residuals in words."""
     size, share = cause.size, cause.share
     if cause.rivals:
-        size = _rms(cause.fit)
+        size = rms(cause.fit)
         could = " or ".join(_SHORT[kind] for kind in (cause.kind, *cause.rivals))
         words = (
             f"a pattern of {size:.2g} px RMS that can be {could}: these views do not tell which; "
@@ -92,16 +92,12 @@ def _moving(cause: Cause, found: DotResiduals, names: Sequence[str]) -> Unexplai
     elif cause.kind is CauseKind.LENS:
         words = f"the lens: a smooth field over the picture, {size:.2g} px RMS, the same in all views"
     else:
-        rms = [_rms(cause.fit[found.picture == number]) for number in range(len(names))]
-        order = np.argsort(-np.array(rms))[:_SHOWN]
-        worst = tuple(names[i] for i in order if rms[i] > 0.5 * max(rms))
+        of = [rms(cause.fit[found.picture == number]) for number in range(len(names))]
+        order = np.argsort(-np.array(of))[:_SHOWN]
+        worst = tuple(names[i] for i in order if of[i] > 0.5 * max(of))
         words = (
             f"single pictures that do not agree with the others of their view: {size:.2g} px RMS, most in "
             f"{listed(worst)}; the target moved between the exposures, or a camera did"
         )
         return Unexplained("pictures", words, share, size, "px", worst)
     return Unexplained(cause.kind.value, words, share, size, cause.unit)
-
-
-def _rms(residual: np.ndarray) -> float:
-    return float(np.sqrt((residual**2).sum(axis=1).mean())) if len(residual) else float("nan")

@@ -7,7 +7,7 @@ import numpy as np
 
 from labcal.guide.twin.again import BLUR
 from labcal.guide.twin.picture import TwinPicture
-from labcal.guide.twin.residuals import DotResiduals
+from labcal.guide.twin.residuals import DotResiduals, rms
 
 _SIGMAS = 4.0
 """A figure of one picture is named where it is farther off than chance lets one in ten thousand be."""
@@ -75,8 +75,8 @@ def picture_verdicts(
             findings.append(f"edges differ by {np.sqrt(made.pixels.edge_variance):.2g} times the noise")
         noise = np.trace(found.covariance[mine], axis1=1, axis2=2)
         by_noise = float(np.sqrt(noise.mean())) if mine.any() else float("nan")
-        rms = _rms(found.residual[mine])
-        verdicts.append(PictureVerdict(made.view, made.camera, rms, by_noise, level, tuple(findings)))
+        off = rms(found.residual[mine])
+        verdicts.append(PictureVerdict(made.view, made.camera, off, by_noise, level, tuple(findings)))
     return tuple(verdicts)
 
 
@@ -94,7 +94,3 @@ def is_unusual(made: TwinPicture, usual: float) -> bool:
     known = sigma[np.isfinite(sigma)]
     chance = float(np.median(known)) / np.sqrt(len(known)) if len(known) else np.inf
     return abs(made.blur_px - usual) > max(BLUR_SHARE * usual, _SIGMAS * chance)
-
-
-def _rms(residual: np.ndarray) -> float:
-    return float(np.sqrt((residual**2).sum(axis=1).mean())) if len(residual) else float("nan")
