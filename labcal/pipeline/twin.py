@@ -116,6 +116,7 @@ def _measured(
         There is no such view, or there is no picture.
     """
     from labcal.guide.twin.making import Photographs, chosen_views
+    from labcal.guide.twin.mosaic import shoot_has_mosaic
     from labcal.guide.twin.ray_noise import lamp_variances, rays_of_shoot
 
     if not opened.sources:
@@ -126,7 +127,8 @@ def _measured(
     rays = None if opened.shoot is None else rays_of_shoot(opened.shoot.folder)
     found = detect(replace(opened, sources=sources), target, workers=how.workers, progress=receiver)
     lamps = {} if opened.shoot is None or rays is None else lamp_variances(opened.shoot.folder)
-    return Photographs(sources, found, rays, lamps)
+    has_mosaic = opened.shoot is not None and rays is not None and shoot_has_mosaic(opened.shoot.folder)
+    return Photographs(sources, found, rays, lamps, has_mosaic)
 
 
 def _page(

@@ -15,6 +15,7 @@ from labcal.guide.twin.dot_windows import BlurredShare, DotWindows, Windows, blu
 from labcal.guide.twin.jpeg_coding import JpegCoding
 from labcal.guide.twin.known_print import KnownPrint
 from labcal.guide.twin.light import PictureLight, fitted_light
+from labcal.guide.twin.mosaic import behind_mosaic, green_behind_mosaic
 from labcal.guide.twin.noise import PictureNoise, measured_noise
 from labcal.guide.twin.ray_noise import ray_variance, with_lamps
 from labcal.guide.twin.region import compared_pixels
@@ -57,6 +58,8 @@ class TwinJob:
         Rays a pixel of the photograph, where it is a rendering that says so.
     lamp_variance : float
         Of the light of one such ray by the choice of lamps, over the square of its mean.
+    has_mosaic : bool
+        True if the photograph is a rendering through a Bayer mosaic.
     folder : Path or None
         Where pictures are written: ``rendering``, ``difference`` and ``images``; None for none.
     name : str
@@ -74,6 +77,7 @@ class TwinJob:
     seed: int
     rays: int | None
     lamp_variance: float
+    has_mosaic: bool
     folder: Path | None
     name: str
 
@@ -103,6 +107,8 @@ class RenderedAgain:
         compression.
     before_coding : float
         Variance of the noise before compression over the one that is left after it.
+    has_mosaic : bool
+        True if light passes a Bayer mosaic.
     """
 
     stored: StoredValues
@@ -117,6 +123,7 @@ class RenderedAgain:
     made: PaperShare
     coded: list[Float32[np.ndarray, "h w"]] = field(default_factory=list)
     before_coding: float = 1.0
+    has_mosaic: bool = False
 
     @property
     def main(self) -> int:
@@ -125,7 +132,14 @@ class RenderedAgain:
 
     def clean(self) -> list[Float32[np.ndarray, "h w"]]:
         """Return the light of the rendering, without noise."""
-        return [light.image(self.behind.share) for light in self.light]
+        return self._delivered([light.image(self.behind.share) for light in self.light])
+
+    def seen(self) -> BlurredShare:
+        """Return the share of paper that the main channel shows: behind blur and mosaic."""
+        return green_behind_mosaic(self.behind) if self.has_mosaic else self.behind
+
+    def _delivered(self, light: list[Float32[np.ndarray, "h w"]]) -> list[Float32[np.ndarray, "h w"]]:
+        return behind_mosaic(light) if self.has_mosaic else light
 
     def variances(self) -> list[Float32[np.ndarray, "h w"]]:
         """Return the variance of the noise of each channel: by light, rays, and compression."""
@@ -150,8 +164,8 @@ class RenderedAgain:
         rough = self.made.rough
         share = blurred(rough[1 + number], self.blur_px) if rough else self.behind.share
         channels = []
-        for of, noise in zip(self.light, self.noise, strict=True):
-            light = of.image(share)
+        sharp = self._delivered([of.image(share) for of in self.light])
+        for light, noise in zip(sharp, self.noise, strict=True):
             least = self.stored.step_variance(light)
             offset = max(noise.offset - float(np.median(least[self.compared])), 0.0)
             more = self.before_coding
@@ -196,6 +210,7 @@ def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
     stored = StoredValues.of(picture, job.curve, _coding(job.source))
     photo = stored.channels(picture)
     main = min(1, len(photo) - 1)
+    has_mosaic = job.has_mosaic and len(photo) > 1
     target = job.known.target
     radii, places = 0.5 * target.outer_diameters_mm(), job.known.dots
     images = dot_images(job.camera, job.T_world_target, places[job.dots], radii[job.dots])
@@ -220,7 +235,8 @@ def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
         contrast = light.paper.over(behind.share.shape) - light.ink.over(behind.share.shape)
         by_rays = contrast**2 * ray_variance(rendering, blur)
         variance = _least(noise, light.image(behind.share), stored) + by_rays
-        windows = dot_windows(photo[main], variance, behind, light, around)
+        seen = green_behind_mosaic(behind) if has_mosaic else behind
+        windows = dot_windows(photo[main], variance, seen, light, around)
         step = float(np.clip(windows.typical(BLUR), -0.4 * blur, 1.5))
         found = RenderedAgain(
             stored, photo, [light], [noise], blur, behind, compared, windows, around, rendering
@@ -239,7 +255,7 @@ def rendered_again(job: TwinJob, rendering: PaperShare) -> RenderedAgain:
     pairs[main] = (found.light[0], found.noise[0])
     return RenderedAgain(
         stored, photo, [one for one, _ in pairs], [one for _, one in pairs], found.blur_px, found.behind,
-        found.compared, found.windows, found.around, rendering,
+        found.compared, found.windows, found.around, rendering, has_mosaic=has_mosaic,
     )  # fmt: skip
 
 

@@ -58,7 +58,7 @@ def with_compression(made: RenderedAgain, job: TwinJob) -> RenderedAgain:
         coded.append(np.maximum(np.where(with_edge, _block_means(mean), even), _ROUNDING) * step2)
     known = replace(made, coded=coded)
     of, variance = known.light[known.main], known.variances()[known.main]
-    windows = dot_windows(known.photo[known.main], variance, known.behind, of, known.around)
+    windows = dot_windows(known.photo[known.main], variance, known.seen(), of, known.around)
     return replace(known, windows=windows)
 
 

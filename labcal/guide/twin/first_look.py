@@ -70,7 +70,7 @@ def _left(made: RenderedAgain) -> float:
     light, channel = made.light[made.main], made.photo[made.main]
     step = 12.0 * made.stored.step_variance(light.image(made.behind.share))
     variance = np.maximum(step, np.float32(1e-6)) if step.any() else np.ones_like(step)
-    found = dot_windows(channel, variance, made.behind, light, made.around)
+    found = dot_windows(channel, variance, made.seen(), light, made.around)
     return float((found.squares.sum() - found.removed.sum()) / max(1, found.pixels.sum()))
 
 

@@ -47,12 +47,15 @@ class Photographs:
         Rays a pixel, where they are renderings that say so.
     lamp_variance : mapping of str to float
         By view, the variance of the light of such a ray by the choice of lamps; 0 where nothing is said.
+    has_mosaic : bool
+        True where they are renderings that say that a Bayer mosaic was before the sensor.
     """
 
     sources: tuple[Source, ...]
     detections: Detections
     rays: int | None = None
     lamp_variance: Mapping[str, float] = field(default_factory=dict)
+    has_mosaic: bool = False
 
 
 def known_print(given: AnyTarget | DotPlaces) -> KnownPrint:
@@ -184,8 +187,8 @@ def _jobs(
                 T_world_target=posed.state.T_world_target[picture.view],
                 dots=posed.observations.dot[picture.rows], curve=ToneCurve.LINEAR,
                 spp=how.spp, draws=how.draws, seed=how.seed, rays=photographs.rays,
-                lamp_variance=photographs.lamp_variance.get(view, 0.0), folder=folder,
-                name=f"{view}_{camera}.png",
+                lamp_variance=photographs.lamp_variance.get(view, 0.0), has_mosaic=photographs.has_mosaic,
+                folder=folder, name=f"{view}_{camera}.png",
             ))  # fmt: skip
     if not jobs:
         raise InputError("None of the pictures is one of which dots are given. Give the shoot of these dots.")

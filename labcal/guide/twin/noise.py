@@ -1,5 +1,6 @@
 """The noise of a picture by photon transfer: variance by light, and correlation of neighbours."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +11,10 @@ SIDE = 7
 _SMALLER = 5
 _FEWEST = 20
 """Blocks of each colour."""
-_PLANE = 3
-_ROUNDS = 20
 _BOUNDS = (-0.4, 0.6)
 """Of correlations; three pixels in a row cannot have more with weights of one sign."""
+_DUST = 3.0
+"""Of the median variance of blocks of like light; more than that is no noise."""
 _LEVELS = 8
 """Groups of blocks by their light."""
 
@@ -51,7 +52,7 @@ class PictureNoise:
         import cv2  # noqa: PLC0415 -- takes a third of a second
 
         white = random.standard_normal(light.shape, dtype=np.float32)
-        row, column = _kernel(self.along), _kernel(self.down)
+        row, column = (_kernel(one).astype(np.float32) for one in (self.along, self.down))
         mixed = cv2.sepFilter2D(white, -1, row, column, borderType=cv2.BORDER_REFLECT)
         return np.asarray(light + np.sqrt(self.variance(light)) * mixed)
 
@@ -77,7 +78,8 @@ def measured_noise(
     Notes
     -----
     In each block a plane is subtracted; what is left tells the variance with ``side^2 - 3`` degrees of
-    freedom, fewer where neighbours are correlated and the plane takes more of the noise. The median over
+    freedom, fewer where neighbours are correlated and the plane takes more of the noise: the trace of what is
+    left of the correlations of the block's pixels. The median over
     blocks of like light is not moved by dust; that of chi-square over its degrees of freedom is
     (1 - 2 / (9 nu))^3 (Wilson and Hilferty 1931). A line through the medians is the photon transfer curve
     (EMVA 1288).
@@ -89,13 +91,12 @@ def measured_noise(
     else:
         if len(of_paper) < _FEWEST:
             return None
-    both = np.concatenate([of_paper, of_ink])
-    along, down = _correlations(both, side)
-    freedom = side * side - _PLANE * (1.0 + 2.0 * along) * (1.0 + 2.0 * down)
     groups = [part for some in (of_paper, of_ink) if len(some) for part in _by_light(some)]
+    along, down = _correlations(groups, side)
+    freedom = float(np.trace(_without_plane(along, down, side)))
     mean, variance, count = np.array([_level(part, freedom) for part in groups]).T
     offset, slope = _line(mean, variance, count)
-    return PictureNoise(offset, slope, along, down, len(both))
+    return PictureNoise(offset, slope, along, down, len(of_paper) + len(of_ink))
 
 
 def _blocks(
@@ -144,32 +145,60 @@ def _line(
     return max(float(found[0]), 1e-12), float(found[1])
 
 
-def _correlations(blocks: Float64[np.ndarray, "n side side"], side: int) -> tuple[float, float]:
-    """Return the correlation of neighbours along rows and columns, the planes allowed for.
+def _correlations(groups: Sequence[Float64[np.ndarray, "n side side"]], side: int) -> tuple[float, float]:
+    """Return the correlation of neighbours along rows and columns that leaves, without planes, what is seen.
 
-    A plane takes ``3 S / side^2`` of the variance, and of the covariance of any two pixels about as much; S
-    is the sum of correlations over all neighbours.
+    Blocks are divided by the noise of their group, not by their own: a ratio of each block would make the
+    correlation too small by a fifth.
     """
-    flat = _flattened(blocks)
-    flat = flat / np.sqrt(np.maximum((flat**2).mean(axis=(1, 2), keepdims=True), 1e-12))
-    seen = (
-        float((flat[:, :, :-1] * flat[:, :, 1:]).mean()),
-        float((flat[:, :-1] * flat[:, 1:]).mean()),
-    )
-    along, down = seen
-    for _ in range(_ROUNDS):
-        taken = _PLANE / side**2 * (1.0 + 2.0 * along) * (1.0 + 2.0 * down)
-        along, down = (float(np.clip(one * (1.0 - taken) + taken, *_BOUNDS)) for one in seen)
-    return along, down
+    from scipy.optimize import least_squares  # noqa: PLC0415 -- takes half a second to import
+
+    flat = np.concatenate([_even(_flattened(blocks)) for blocks in groups])
+    seen = np.array([(flat[:, :, :-1] * flat[:, :, 1:]).mean(), (flat[:, :-1] * flat[:, 1:]).mean()])
+    seen /= (flat**2).mean()
+    low, high = _BOUNDS
+
+    def off(both: Float64[np.ndarray, "2"]) -> Float64[np.ndarray, "2"]:
+        left = _without_plane(float(both[0]), float(both[1]), side).reshape(side, side, side, side)
+        along = np.einsum("ijij->ij", left[:, :-1, :, 1:]).mean()
+        down = np.einsum("ijij->ij", left[:-1, :, 1:, :]).mean()
+        return np.asarray(np.array([along, down]) / np.einsum("ijij->ij", left).mean() - seen)
+
+    found = least_squares(off, np.clip(seen, 0.9 * low, 0.9 * high), bounds=(low, high))
+    return float(found.x[0]), float(found.x[1])
 
 
-def _kernel(correlation: float) -> Float32[np.ndarray, "3"]:
+def _even(flat: Float64[np.ndarray, "n side side"]) -> Float64[np.ndarray, "m side side"]:
+    """Return flattened blocks of like light over their noise, without those that show dust."""
+    variances = (flat**2).mean(axis=(1, 2))
+    usual = max(float(np.median(variances)), 1e-12)
+    return np.asarray(flat[variances <= _DUST * usual] / np.sqrt(usual))
+
+
+def _without_plane(along: float, down: float, side: int) -> Float64[np.ndarray, "pixels pixels"]:
+    """Return the covariance of a block's pixels of variance 1 after its plane is subtracted."""
+    from scipy.linalg import toeplitz  # noqa: PLC0415 -- takes half a second to import
+
+    axes = []
+    for correlation in (down, along):
+        first = np.zeros(side)
+        kernel = _kernel(correlation)
+        first[:3] = np.correlate(kernel, kernel, "full")[2:]
+        axes.append(toeplitz(first))
+    away = np.arange(side) - 0.5 * (side - 1)
+    one = np.ones(side)
+    plane = np.linalg.qr(np.stack([np.kron(one, one), np.kron(one, away), np.kron(away, one)], axis=-1))[0]
+    keep = np.eye(side * side) - plane @ plane.T
+    return np.asarray(keep @ np.kron(*axes) @ keep)
+
+
+def _kernel(correlation: float) -> Float64[np.ndarray, "3"]:
     """Return the filter (a, 1, a), normalised, that gives white noise a correlation of neighbours.
 
     The correlation is ``2 a / (1 + 2 a^2)``, at most 0.707.
     """
     if abs(correlation) < 1e-3:  # noqa: PLR2004 -- none
-        return np.array([0.0, 1.0, 0.0], dtype=np.float32)
+        return np.array([0.0, 1.0, 0.0])
     a = (1.0 - np.sqrt(1.0 - 2.0 * correlation**2)) / (2.0 * correlation)
     kernel = np.array([a, 1.0, a])
-    return np.asarray((kernel / np.linalg.norm(kernel)).astype(np.float32))
+    return np.asarray(kernel / np.linalg.norm(kernel))

@@ -14,14 +14,13 @@ from jaxtyping import Float32
 
 from labcal.errors import LabcalError
 from labcal.guide.twin.dot_windows import blurred
+from labcal.guide.twin.rendered_scene import rendered_scene
 from labcal.render.paper_share import PaperShare
 from labcal.run.made import PROVENANCE
-from labcal.scene.catalogue import load_scene
 from labcal.scene.lamp_choice import lamp_choice_variance
-from labcal.shoot.truth import FOLDER, has_truth, read_truth
+from labcal.shoot.truth import has_truth, read_truth
 
 _MOST = 65536
-_SCENE = "scene.yaml"
 
 
 def rays_of_shoot(folder: Path) -> int | None:
@@ -45,11 +44,11 @@ def lamp_variances(folder: Path) -> dict[str, float]:
     folder : Path
         Of a rendered shoot.
     """
-    path = folder / FOLDER / _SCENE
-    if not (path.is_file() and has_truth(folder)):
+    scene = rendered_scene(folder)
+    if scene is None or not has_truth(folder):
         return {}
     try:
-        scene, views = load_scene(path), read_truth(folder).views
+        views = read_truth(folder).views
     except LabcalError:
         return {}
     return {name: lamp_choice_variance(scene, np.array(view.T_world_target)) for name, view in views.items()}

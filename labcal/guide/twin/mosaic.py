@@ -1,0 +1,47 @@
+"""The Bayer mosaic before a sensor: a pixel sees one colour, and its neighbours tell the other two.
+
+What is computed so differs at edges by several times the noise. Only pictures of cameras that are known, those
+of the rendered laboratory, can be put through it: no other camera tells how it computes colours.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float32
+
+from labcal.guide.twin.dot_windows import BlurredShare
+from labcal.guide.twin.rendered_scene import rendered_scene
+from labcal.render.demosaic import demosaic, mosaic
+
+_COLOURS = 3
+
+
+def shoot_has_mosaic(folder: Path) -> bool:
+    """Return True if a rendered shoot says that its sensors are behind a Bayer mosaic.
+
+    Parameters
+    ----------
+    folder : Path
+        Of a shoot.
+    """
+    scene = rendered_scene(folder)
+    return scene is not None and scene.photometry.bayer
+
+
+def behind_mosaic(light: Sequence[Float32[np.ndarray, "h w"]]) -> list[Float32[np.ndarray, "h w"]]:
+    """Return red, green and blue light as a camera with a Bayer mosaic delivers them.
+
+    Parameters
+    ----------
+    light : sequence of three float32 arrays, (h, w)
+        White-balanced.
+    """
+    seen = demosaic(mosaic(np.stack(list(light), axis=-1)))
+    return [np.ascontiguousarray(seen[..., colour]) for colour in range(_COLOURS)]
+
+
+def green_behind_mosaic(behind: BlurredShare) -> BlurredShare:
+    """Return a share of paper as green shows it behind a Bayer mosaic; its derivatives stay as they are."""
+    return replace(behind, share=behind_mosaic([behind.share] * _COLOURS)[1])
