@@ -133,3 +133,15 @@ def test_edges_of_jpeg_pictures_are_at_noise_level(bench: Bench, tmp_path: Path)
     found = labcal.twin(tmp_path / "shoot", bench.rig, None, None, pipeline.TwinSettings(spp=64, views=1))
     assert found.is_explained, found.unexplained
     assert 0.7 < found.edge_variance < 1.15  # 1.35 where compression is left out
+
+
+def test_edges_behind_a_mosaic_are_at_noise_level(tmp_path: Path) -> None:
+    scene, shoot = tmp_path / "colour.yaml", tmp_path / "shoot"
+    described = _scene()
+    photometry = described.photometry.model_copy(update={"bayer": True})
+    scene.write_text(described.model_copy(update={"photometry": photometry}).to_yaml())
+    pipeline.render(scene, shoot)
+    rig = Rig(cameras=read_truth(shoot).cameras)
+    found = labcal.twin(shoot, rig, None, None, pipeline.TwinSettings(spp=64, views=1))
+    assert found.is_explained, found.unexplained
+    assert 0.85 < found.edge_variance < 1.2  # above 2 where the mosaic is left out

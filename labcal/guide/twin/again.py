@@ -132,7 +132,8 @@ class RenderedAgain:
 
     def clean(self) -> list[Float32[np.ndarray, "h w"]]:
         """Return the light of the rendering, without noise."""
-        return self._delivered([light.image(self.behind.share) for light in self.light])
+        light = self._delivered([light.image(self.behind.share) for light in self.light])
+        return self.stored.sampled(light)
 
     def seen(self) -> BlurredShare:
         """Return the share of paper that the main channel shows: behind blur and mosaic."""

@@ -6,12 +6,14 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Float32, UInt8
 
 from labcal.shoot.pictures import red_first
 
 _SUFFIXES = {".jpg", ".jpeg"}
 _CHANNELS = {"L": 1, "RGB": 3}
+_SAMPLED = {0: (1, 1), 1: (2, 1), 2: (2, 2)}
+"""Pixels of a row and of a column that share a colour."""
 
 
 @dataclass(frozen=True)
@@ -61,3 +63,17 @@ class JpegCoding:
         flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
         read = np.asarray(cv2.imdecode(np.frombuffer(data.getbuffer(), np.uint8), flags))
         return red_first(read.astype(np.uint8))
+
+    def sampled(self, values: Float32[np.ndarray, "h w 3"]) -> Float32[np.ndarray, "h w 3"]:
+        """Return values, 0 to 255, whose colours passed the coarser sampling of the file, without rounding.
+
+        Colours are averaged, and interpolated as libjpeg does (weights of 3/4 and 1/4 of the nearest two).
+        """
+        across, down = _SAMPLED[self.sampling]
+        height, width = values.shape[:2]
+        whole = cv2.copyMakeBorder(values, 0, -height % down, 0, -width % across, cv2.BORDER_REPLICATE)
+        split = cv2.cvtColor(whole, cv2.COLOR_RGB2YCrCb)
+        full = (whole.shape[1], whole.shape[0])
+        small = cv2.resize(split, (full[0] // across, full[1] // down), interpolation=cv2.INTER_AREA)
+        split[..., 1:] = cv2.resize(small[..., 1:], full, interpolation=cv2.INTER_LINEAR)
+        return np.asarray(cv2.cvtColor(split, cv2.COLOR_YCrCb2RGB)[:height, :width])

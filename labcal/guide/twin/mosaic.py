@@ -1,7 +1,7 @@
 """The Bayer mosaic before a sensor: a pixel sees one colour, and its neighbours tell the other two.
 
-What is computed so differs at edges by several times the noise. Only pictures of cameras that are known, those
-of the rendered laboratory, can be put through it: no other camera tells how it computes colours.
+What is computed so differs at edges by several times the noise. Only pictures of cameras that are known,
+those of the rendered laboratory, can be put through it: no other camera tells how it computes colours.
 """
 
 from collections.abc import Sequence

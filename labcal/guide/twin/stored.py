@@ -58,6 +58,14 @@ class StoredValues:
         picture = stored[0] if len(stored) == 1 else np.stack(stored, axis=-1)
         return picture if self.coding is None else self.coding.coded(picture)
 
+    def sampled(self, channels: list[Float32[np.ndarray, "h w"]]) -> list[Float32[np.ndarray, "h w"]]:
+        """Return light of which compression stored colours at fewer pixels; the same where it did not."""
+        if self.coding is None or self.coding.sampling == 0:
+            return channels
+        values = self.coding.sampled(np.stack([self.values(light) for light in channels], axis=-1))
+        share = np.clip(values / np.float32(self.top), 0.0, 1.0)
+        return list(np.moveaxis(np.float32(self.top) * undone(share, self.curve), -1, 0).astype(np.float32))
+
     def step_variance(self, light: Float32[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
         """Return the variance of light by the rounding of its value."""
         if self.kind == "float32":

@@ -50,3 +50,18 @@ def test_stored_values_are_compressed_only_in_their_own_form(tmp_path: Path) -> 
     np.testing.assert_array_equal(stored.picture([picture.astype(np.float32)]), read_picture(path))
     assert StoredValues.of(picture.astype(np.uint16), ToneCurve.LINEAR, coding).coding is None
     assert StoredValues.of(np.stack([picture] * 3, axis=-1), ToneCurve.LINEAR, coding).coding is None
+
+
+@pytest.mark.parametrize("sampling", [HALF, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422])
+@pytest.mark.parametrize("size", [(50, 61), (48, 64)])
+def test_colours_are_sampled_as_in_files_of_the_finest_steps(
+    tmp_path: Path, sampling: int, size: tuple[int, int]
+) -> None:
+    path, picture = tmp_path / "a.jpg", np.clip(_picture(*size, 3), 60, 190)
+    how = [cv2.IMWRITE_JPEG_QUALITY, 100, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, sampling]
+    cv2.imwrite(str(path), picture[..., ::-1], how)
+    coding = JpegCoding.of(path)
+    assert coding is not None
+    wanted, found = read_picture(path).astype(np.float32), coding.sampled(picture.astype(np.float32))
+    assert np.sqrt(((found - wanted) ** 2).mean()) < 1.0  # rounding; 10 and more without sampling
+    assert np.abs(found - wanted).max() < 4.0

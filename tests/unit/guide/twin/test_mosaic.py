@@ -1,0 +1,33 @@
+"""Rendered pictures pass the mosaic of the camera that they are compared with."""
+
+from pathlib import Path
+
+import numpy as np
+
+from labcal.guide.twin.dot_windows import BlurredShare
+from labcal.guide.twin.mosaic import behind_mosaic, green_behind_mosaic, shoot_has_mosaic
+from labcal.scene.catalogue import load_scene
+
+
+def test_smooth_light_passes_a_mosaic_and_edges_differ() -> None:
+    light = np.tile(np.linspace(10.0, 50.0, 40, dtype=np.float32), (30, 1))
+    for seen in behind_mosaic([light] * 3):
+        np.testing.assert_allclose(seen[2:-2, 2:-2], light[2:-2, 2:-2], atol=1e-4)
+    step = BlurredShare.of(np.tile(np.float32(np.arange(40) > 19), (30, 1)), 0.8)  # noqa: PLR2004
+    seen = green_behind_mosaic(step)
+    off = np.abs(seen.share - step.share)
+    assert off[:, :14].max() < 1e-6
+    assert off[:, 17:23].max() > 0.02  # noqa: PLR2004
+    assert off[1::2, 0::2].max() == 0.0  # green pixels
+    assert seen.by_blur is step.by_blur
+
+
+def test_the_scene_of_a_shoot_tells_of_its_mosaic(tmp_path: Path) -> None:
+    assert not shoot_has_mosaic(tmp_path)
+    truth = tmp_path / "truth"
+    truth.mkdir()
+    for name, wanted in (("webcam-handheld", True), ("still-handheld", False)):
+        (truth / "scene.yaml").write_text(load_scene(name).to_yaml())
+        assert shoot_has_mosaic(tmp_path) is wanted
+    (truth / "scene.yaml").write_text("no scene: [")
+    assert not shoot_has_mosaic(tmp_path)
