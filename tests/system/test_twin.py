@@ -144,4 +144,4 @@ def test_edges_behind_a_mosaic_are_at_noise_level(tmp_path: Path) -> None:
     rig = Rig(cameras=read_truth(shoot).cameras)
     found = labcal.twin(shoot, rig, None, None, pipeline.TwinSettings(spp=64, views=1))
     assert found.is_explained, found.unexplained
-    assert 0.85 < found.edge_variance < 1.2  # above 2 where the mosaic is left out
+    assert 0.85 < found.edge_variance < 1.25  # above 2 where the mosaic is left out

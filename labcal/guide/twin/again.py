@@ -140,7 +140,9 @@ class RenderedAgain:
         return green_behind_mosaic(self.behind) if self.has_mosaic else self.behind
 
     def _delivered(self, light: list[Float32[np.ndarray, "h w"]]) -> list[Float32[np.ndarray, "h w"]]:
-        return behind_mosaic(light) if self.has_mosaic else light
+        if not self.has_mosaic:
+            return light
+        return [np.clip(one, 0.0, self.stored.top) for one in behind_mosaic(light)]
 
     def variances(self) -> list[Float32[np.ndarray, "h w"]]:
         """Return the variance of the noise of each channel: by light, rays, and compression."""
