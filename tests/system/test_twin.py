@@ -76,6 +76,9 @@ def test_residuals_are_at_noise_level(bench: Bench, tmp_path: Path) -> None:
     found = _twin(bench.shoot, bench.rig, folder=tmp_path / "twin")
     assert found.is_explained, found.unexplained
     assert found.explained.level < 1.0 + SIGMAS * np.sqrt(2.0 / (2 * len(found.residuals)))
+    # Positions as measured would hold the noise, which a field over the picture then seems to explain.
+    rendered = np.concatenate([made.rendered for made in found.pictures])
+    assert np.isin(found.residuals.q, rendered).mean() > 0.99
     pixels = sum(made.pixels.pixels for made in found.pictures)
     # Noise is measured in blocks, whose median knows the variance 0.64 times as well as all pixels would.
     assert abs(found.pixel_variance - 1.0) < SIGMAS * np.sqrt(2.0 / (0.64 * 0.5 * pixels)) + 0.02

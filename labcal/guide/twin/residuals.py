@@ -24,7 +24,7 @@ class DotResiduals:
     camera, view, dot, picture : int array, (n,)
         Numbers; the picture's among those that were rendered.
     q : float64 array, (n, 2)
-        As measured in the photograph, px.
+        As rendered or predicted, px; as measured, they would hold the very noise that is to be judged.
     residual : float64 array, (n, 2)
         Photograph minus rendering, px.
     covariance : float64 array, (n, 2, 2)
@@ -122,7 +122,7 @@ def _residuals(
             ahead, back = camera.project(transform(T, p + step)).q, camera.project(transform(T, p - step)).q
             by_point[picture.rows, :, axis] = (ahead - back) / (2.0 * _STEP_MM)
     return DotResiduals(
-        seen.camera[known], seen.view[known], seen.dot[known], which, seen.q[known], residual,
+        seen.camera[known], seen.view[known], seen.dot[known], which, seen.q[known] - residual, residual,
         scale * seen.covariance[known], by_point[known], scale,
     )  # fmt: skip
 

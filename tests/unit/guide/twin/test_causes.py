@@ -59,6 +59,20 @@ def test_noise_has_no_cause() -> None:
     assert abs(np.mean(levels) - 1.0) < 4.0 * np.sqrt(2.0 / freedom)
 
 
+def test_two_views_that_hardly_differ_show_noise_alone() -> None:
+    for seed in range(2):
+        made, dots = residuals(seed)
+        here = made.view < 2
+        view = made.view[here]
+        one = {name: value[here] for name, value in made.__dict__.items() if isinstance(value, np.ndarray)}
+        J = made.by_point[(made.view == 0) & (made.camera == 0)][0]
+        shift = np.where(view[:, None] == 1, 40.0, 0.0)
+        q = (dots[one["dot"]] - dots.mean(axis=0)) @ J.T + 500.0 + shift
+        flat = np.tile(J, (len(view), 1, 1))
+        found = DotResiduals(**{**one, "q": q, "by_point": flat, "scale": 1.0})
+        assert not explained(found, dots).causes
+
+
 def test_a_column_printed_aside_is_the_print() -> None:
     made, dots = residuals(1)
     shift = np.where(dots[:, :1] == 30.0, [[0.01, 0.0, 0.0]], 0.0)  # 10 um, a tenth of a pixel
