@@ -164,8 +164,7 @@ def _take_views(source: Source, recorder: Recorder, run: CaptureRun, progress: P
                 raise DeviceError(f"{counted(in_a_row, 'set')} in a row were refused. {'; '.join(reasons)}.")
             continue
         in_a_row = 0
-        placed = _placed(taken, view)
-        recorder.read_target(placed)
+        placed = recorder.with_target(_placed(taken, view))
         name = recorder.free_name(placed.view)
         recorder.add(placed, name)
         _tell(run, placed, name, ())

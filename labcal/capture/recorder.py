@@ -1,7 +1,7 @@
 """Pictures into a shoot, view after view; what is there is a whole shoot at every moment."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
@@ -121,7 +121,7 @@ class Recorder:
             frames = {
                 name: Frame(read_picture(self.folder.path / image)) for name, image in view.images.items()
             }
-            yield view.name, FrameSet(frames, view.name, role=view.role)
+            yield view.name, FrameSet(frames, view.name, role=view.role, target=self.target)
 
     def refusal(self, frames: FrameSet) -> str | None:
         """Return why a set does not fit the shoot: a camera is missing, or its pictures have another size."""
@@ -137,10 +137,13 @@ class Recorder:
                 )
         return None
 
-    def read_target(self, frames: FrameSet) -> None:
-        """Take the target from the code of a print in the pictures of a set, unless it is known already."""
-        if self.target is not None:
-            return
+    def with_target(self, frames: FrameSet) -> FrameSet:
+        """Return a set with the target of the shoot, read from the code of its print unless it is known."""
+        if self.target is None:
+            self._read_target(frames)
+        return replace(frames, target=self.target)
+
+    def _read_target(self, frames: FrameSet) -> None:
         for name, frame in frames.frames.items():
             codes = read_codes(frame.picture)
             if len(codes.prints) == 1:

@@ -11,6 +11,7 @@ from jaxtyping import Shaped
 from labcal.arrays import Pose
 from labcal.detect.dots import PictureDots
 from labcal.shoot.manifest import Role
+from labcal.targets.catalogue import AnyTarget
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,8 @@ class FrameSet:
     """Use of the view."""
     refusals: tuple[str, ...] = ()
     """Reasons why these pictures may not enter a shoot, each naming its device; empty for good ones."""
+    target: AnyTarget | None = None
+    """Target of the shoot that these pictures entered; None where nobody named it and no code told it yet."""
 
     @property
     def skew_s(self) -> float | None:

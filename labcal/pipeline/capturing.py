@@ -160,7 +160,7 @@ def _guided(run: "CaptureRun", guide: "GuideSettings", simulated: "SimulatedCame
     seed = run.settings.source_settings.seed
     error = parsed_hand_error(guide.hand_error)
     if run.target is None:
-        return replace(run, advisor=GuidedByCode(guide, seed, run.settings.print_scale))
+        return replace(run, advisor=GuidedByCode(guide, seed))
     advisor = GuidedCapture(run.target, guide, seed)
     if simulated is None:
         return replace(run, advisor=advisor)

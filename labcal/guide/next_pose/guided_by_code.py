@@ -1,14 +1,11 @@
-"""The advisor of a guided capture whose target nobody named: the code of its print tells it."""
+"""The advisor of a guided capture whose target nobody named: it waits for the view whose code tells it."""
 
 import numpy as np
 
 from labcal.capture.advice import Advice, Advisor
 from labcal.capture.guide_settings import GuideSettings
 from labcal.capture.source import CameraInfo, FrameSet
-from labcal.detect.codes.reading import read_codes
 from labcal.guide.next_pose.guided_capture import CELLS, GuidedCapture
-from labcal.targets.catalogue import AnyTarget
-from labcal.targets.print_scale import AnyPrintScale, as_printed
 
 _ASK = (
     "Show the printed code. Hold the target upright in front of the cameras, still and so near that the "
@@ -21,24 +18,17 @@ _UNREAD = (
 
 
 class GuidedByCode:
-    """An :class:`~labcal.capture.advice.Advisor` that guides from the first view on in which a code is read.
+    """An :class:`~labcal.capture.advice.Advisor` that guides from the first view on that tells its target.
 
     Parameters
     ----------
     settings : GuideSettings
     seed : int
         Of the poses to choose from.
-    print_scale : str, float or tuple of float, optional
-        That of the print.
     """
 
-    def __init__(
-        self,
-        settings: GuideSettings,
-        seed: int,
-        print_scale: AnyPrintScale | None = None,
-    ) -> None:
-        self._settings, self._seed, self._print_scale = settings, seed, print_scale
+    def __init__(self, settings: GuideSettings, seed: int) -> None:
+        self._settings, self._seed = settings, seed
         self._cameras: tuple[CameraInfo, ...] = ()
         self._before: list[tuple[FrameSet, str]] = []
         self._guide: Advisor | None = None
@@ -53,11 +43,10 @@ class GuidedByCode:
         if self._guide is not None:
             return self._guide.judge(taken, view)
         self._before.append((taken, view))
-        target = self._read(taken)
-        if target is None:
+        if taken.target is None:
             self._faults = (_UNREAD,)
             return self._faults
-        guide = GuidedCapture(target, self._settings, self._seed)
+        guide = GuidedCapture(taken.target, self._settings, self._seed)
         guide.begin(self._cameras)
         for sets, name in self._before:
             self._faults = guide.judge(sets, name)
@@ -88,11 +77,3 @@ class GuidedByCode:
             done=False,
             sizes={one.name: one.size for one in self._cameras},
         )
-
-    def _read(self, taken: FrameSet) -> AnyTarget | None:
-        """Return the target whose code is the only one in a picture of a set, the first that tells it."""
-        for frame in taken.frames.values():
-            prints = read_codes(frame.picture).prints
-            if len(prints) == 1:
-                return as_printed(prints[0].target, self._print_scale)
-        return None

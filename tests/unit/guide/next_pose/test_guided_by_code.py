@@ -8,6 +8,7 @@ from labcal.capture.settings import CaptureSettings
 from labcal.capture.source import CameraInfo, Frame, FrameSet
 from labcal.guide.next_pose.guided_by_code import GuidedByCode
 from labcal.pipeline.capturing import planned_capture
+from labcal.targets.catalogue import load_target
 
 
 def test_the_code_of_a_print_begins_the_guide_and_the_views_before_count() -> None:
@@ -18,12 +19,13 @@ def test_the_code_of_a_print_begins_the_guide_and_the_views_before_count() -> No
     (fault,) = guide.judge(FrameSet({"left": Frame(uncoded)}), "view-001")
     assert "no code of a print is read" in fault
     assert guide.advise().faults == (fault,)
-    guide.judge(FrameSet({"left": Frame(sheet)}), "view-002")
+    target = load_target("rings-14x10")
+    guide.judge(FrameSet({"left": Frame(sheet)}, target=target), "view-002")
     advice = guide.advise()
     assert advice.views == 2
     assert advice.wanted_mm == 0.5
     assert "square code" not in advice.words
-    guide.judge(FrameSet({"left": Frame(sheet)}), "view-003")
+    guide.judge(FrameSet({"left": Frame(sheet)}, target=target), "view-003")
     assert guide.advise().views == 3
 
 
