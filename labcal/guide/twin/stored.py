@@ -7,6 +7,7 @@ from jaxtyping import Float32
 
 from labcal.guide.twin.jpeg_coding import JpegCoding
 from labcal.shoot.tone_curve import ToneCurve, tone, undone
+from labcal.shoot.tone_curve import light as light_of
 
 
 @dataclass(frozen=True)
@@ -63,8 +64,8 @@ class StoredValues:
         if self.coding is None or self.coding.sampling == 0:
             return channels
         values = self.coding.sampled(np.stack([self.values(light) for light in channels], axis=-1))
-        share = np.clip(values / np.float32(self.top), 0.0, 1.0)
-        return list(np.moveaxis(np.float32(self.top) * undone(share, self.curve), -1, 0).astype(np.float32))
+        shone = self.top * light_of(np.clip(values / np.float32(self.top), 0.0, 1.0), self.curve)
+        return list(np.moveaxis(shone, -1, 0).astype(np.float32))
 
     def step_variance(self, light: Float32[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
         """Return the variance of light by the rounding of its value."""

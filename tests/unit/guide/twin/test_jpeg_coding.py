@@ -65,3 +65,16 @@ def test_colours_are_sampled_as_in_files_of_the_finest_steps(
     wanted, found = read_picture(path).astype(np.float32), coding.sampled(picture.astype(np.float32))
     assert np.sqrt(((found - wanted) ** 2).mean()) < 1.0  # rounding; 10 and more without sampling
     assert np.abs(found - wanted).max() < 4.0
+
+
+@pytest.mark.parametrize("curve", [ToneCurve.LINEAR, ToneCurve.SRGB])
+def test_grey_light_stays_what_it_is_where_colours_are_sampled(tmp_path: Path, curve: ToneCurve) -> None:
+    path, picture = (
+        tmp_path / "a.jpg",
+        np.tile(np.arange(10, 250, 5, dtype=np.uint8)[:, None, None], (1, 32, 3)),
+    )
+    cv2.imwrite(str(path), picture, [cv2.IMWRITE_JPEG_SAMPLING_FACTOR, HALF])
+    stored = StoredValues.of(picture, curve, JpegCoding.of(path))
+    channels = stored.channels(picture)
+    for before, after in zip(channels, stored.sampled(channels), strict=True):
+        np.testing.assert_allclose(after, before, atol=0.05)
