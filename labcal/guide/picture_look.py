@@ -88,9 +88,17 @@ class PictureLook:
 
     @property
     def widest_px(self) -> float:
-        """Width of the edges of the direction in which they are widest; NaN where there are none."""
-        known = [*self.directions_px[np.isfinite(self.directions_px)].tolist(), self.edge_width_px]
-        return float(max(known)) if np.isfinite(self.edge_width_px) else float("nan")
+        """Width of the edges of the direction in which they are widest; NaN where there are none.
+
+        Dots have edges of all directions. Where no target is found and a direction has none, the others are
+        those of something else (a board seen edge-on), and all edges together count.
+        """
+        if not np.isfinite(self.edge_width_px):
+            return float("nan")
+        known = np.isfinite(self.directions_px)
+        if self.refusal is not None and not known.all():
+            return self.edge_width_px
+        return float(max([*self.directions_px[known].tolist(), self.edge_width_px]))
 
     @property
     def motion_deg(self) -> float | None:

@@ -116,3 +116,19 @@ def test_a_motion_in_all_pictures_is_found_by_its_direction() -> None:
 def test_a_dark_picture_without_a_target_is_not_said_to_show_paper_and_ink() -> None:
     empty = replace(_look(), paper=0.04, ink=0.0, refusal=Refusal.NO_DOTS)
     assert str(empty.exposure_words).startswith("dark all over")
+
+
+def test_directions_count_without_a_target_only_where_there_are_edges_of_all() -> None:
+    sharp = _look()
+    edge_on = replace(
+        sharp,
+        refusal=Refusal.TOO_FEW_DOTS,
+        directions_px=np.array([1.0, np.nan, 7.8, 2.4]),
+        edge_width_px=2.6,
+    )
+    usual = usual_edges({"left": [sharp] * 9 + [edge_on]})["left"]
+    assert not usual.is_blurred(edge_on)
+    assert usual.is_blurred(replace(edge_on, refusal=None))
+    assert usual.is_blurred(replace(edge_on, edge_width_px=7.8))
+    blurred = replace(edge_on, directions_px=np.array([2.5, 2.6, 7.8, 2.6]))
+    assert usual.is_blurred(blurred)
