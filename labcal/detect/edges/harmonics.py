@@ -10,7 +10,6 @@ from labcal.detect.compiled import compiled
 from labcal.detect.edges.band import pixels_around, without_clutter
 from labcal.detect.edges.edge_limits import EdgeLimits
 from labcal.detect.edges.edge_model import (
-    ALONG,
     BLURS_AWAY,
     CHUNK,
     FAR,
@@ -28,8 +27,11 @@ from labcal.detect.edges.edge_model import (
     linearise,
     normal_equations,
 )
+from labcal.detect.row_products import HIGH, LANES, WIDE, add_products
 
 _SINGULAR = 1e-12
+_SLOPES = HIGH * -(-(PARAMETERS + 1) // HIGH)
+"""Rows of derivatives, of residuals, and of zeros so that they are even in number."""
 
 
 class Harmonics(NamedTuple):
@@ -95,108 +97,146 @@ def harmonic_sums(
         wanted = weights[number].copy()
         for axis in range(2):
             solve(system, wanted[axis])
-        tests = _test_functions(state, pixels, _combined(wanted, slopes), harmonics)
-        _write_sums(tests, (slopes, found[0]), (work[1], system), sums[number])
+        tests = _test_functions(state, band, _combined(wanted, slopes), harmonics)
+        products = np.zeros((_SLOPES, len(tests)))
+        edge = _padded(count)
+        add_products(slopes, tests, (0, edge), products)
+        # Flat pixels change with the shading alone, whose rows come last.
+        add_products(slopes[STATE:], tests, (edge, slopes.shape[1]), products[STATE:])
+        own = (tests[:2] * tests[:2]).sum()  # the same for all harmonics
+        _write_sums(products, own, (work[1], system), sums[number])
     return sums
+
+
+@compiled
+def _padded(count: int) -> int:
+    """Return the length of a row of so many numbers that is filled up with zeros."""
+    return -(-count // LANES) * LANES
 
 
 @compiled
 def _slopes(
     state: np.ndarray, shading: np.ndarray, band: tuple[np.ndarray, int], chunk: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return derivatives of the pixels by the parameters, (14, n), and residual and blurs away, (3, n)."""
+    """Return rows of the pixels' derivatives by the parameters and of residuals; residual and blurs away.
+
+    The rows, shape (_SLOPES, m), are filled up behind the edge's pixels and behind the flat ones; the second
+    array, shape (2, n), is not.
+    """
     planes = chunk.reshape(PLANES, CHUNK)
     pixels, total = band
-    slopes, found = np.zeros((PARAMETERS, pixels.shape[1])), np.empty((3, pixels.shape[1]))
+    shift = _padded(total) - total
+    slopes = np.zeros((_SLOPES, total + shift + _padded(pixels.shape[1] - total)))
+    found = np.empty((2, pixels.shape[1]))
     for first in range(0, total, CHUNK):
         count = min(CHUNK, total - first)
         planes[:ROWS, :count] = pixels[:, first : first + count]
         linearise(state, shading, chunk, count)
-        slopes[:, first : first + count] = planes[ROWS : ROWS + PARAMETERS, :count]
-        found[:, first : first + count] = planes[RESIDUAL : ALONG + 1, :count]
+        slopes[: PARAMETERS + 1, first : first + count] = planes[ROWS : RESIDUAL + 1, :count]
+        found[:, first : first + count] = planes[RESIDUAL : BLURS_AWAY + 1, :count]
     for k in range(total, pixels.shape[1]):
         u, v = flattened(state, pixels[0, k], pixels[1, k])
         inside = u * u + v * v < 1.0
-        side = 3 if inside else 0
-        slopes[STATE + side, k], slopes[STATE + side + 1, k], slopes[STATE + side + 2, k] = 1.0, u, v
+        side, at = 3 if inside else 0, k + shift
+        slopes[STATE + side, at], slopes[STATE + side + 1, at], slopes[STATE + side + 2, at] = 1.0, u, v
         found[0, k] = pixels[2, k] - shading[side] - shading[side + 1] * u - shading[side + 2] * v
-        found[BLURS_AWAY - RESIDUAL, k] = -FAR if inside else FAR
+        found[1, k] = -FAR if inside else FAR
+        slopes[PARAMETERS, at] = found[0, k]
     return slopes, found
 
 
 @compiled
 def _combined(weights: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """Return the weights of the pixels in the centre, (2, n), from those of the parameters."""
+    """Return the weights of the pixels in the centre, (2, m), from those of the parameters."""
     combined = np.zeros((2, slopes.shape[1]))
     for axis in range(2):
+        row = combined[axis]
         for i in range(PARAMETERS):
             weight, slope = weights[axis, i], slopes[i]
-            for k in range(slopes.shape[1]):
-                combined[axis, k] += weight * slope[k]
+            for k in range(len(row)):
+                row[k] += weight * slope[k]
     return combined
 
 
 @compiled
 def _test_functions(
-    state: np.ndarray, pixels: np.ndarray, weights: np.ndarray, harmonics: Harmonics
+    state: np.ndarray, band: tuple[np.ndarray, int], weights: np.ndarray, harmonics: Harmonics
 ) -> np.ndarray:
-    """Return the profile of the centre's weights times cosine and sine of each harmonic, (2 k, n)."""
-    tests, total = np.empty((2 * harmonics.terms, pixels.shape[1])), 0.0
-    for k in range(pixels.shape[1]):
+    """Return the profile of the centre's weights times cosine and sine of each harmonic, filled up, (p, m).
+
+    The squares of the cosine and the sine of each add up to 1, unless all weights are 0.
+    """
+    pixels, total = band
+    edge, count = _padded(total), weights.shape[1]
+    profile, turn = np.zeros((2, count)), np.zeros((2, count))
+    after = edge + pixels.shape[1] - total
+    _write_profile(state, pixels[:, :total], weights[:, :total], profile[0, :total], turn[:, :total])
+    flat = slice(edge, after)
+    _write_profile(state, pixels[:, total:], weights[:, flat], profile[0, flat], turn[:, flat])
+    profile /= sqrt(max((profile[0] * profile[0]).sum(), TINY))
+    tests = np.zeros((WIDE * -(-2 * harmonics.terms // WIDE), count))
+    _multiply(profile, _power(turn, harmonics.first), tests[:2])
+    stride = _power(turn, harmonics.stride)
+    for j in range(2, 2 * harmonics.terms, 2):
+        _multiply(tests[j - 2 : j], stride, tests[j : j + 2])
+    return tests
+
+
+@compiled
+def _write_profile(
+    state: np.ndarray, pixels: np.ndarray, weights: np.ndarray, profile: np.ndarray, turn: np.ndarray
+) -> None:
+    """Write the weights of pixels in a shift away from the centre, and cosine and sine of their angles."""
+    for k in range(len(profile)):
         u, v = flattened(state, pixels[0, k], pixels[1, k])
         share = 1.0 / sqrt(u * u + v * v + TINY)
         cosine, sine = u * share, v * share
         wu = state[2] * weights[0, k] + state[3] * weights[1, k]
         wv = state[3] * weights[0, k] + state[4] * weights[1, k]
-        profile = wu * cosine + wv * sine
-        total += profile * profile
-        turn, stride, wave = complex(cosine, sine), complex(1.0, 0.0), complex(profile, 0.0)
-        for _ in range(harmonics.first):
-            wave *= turn
-        for _ in range(harmonics.stride):
-            stride *= turn
-        for j in range(harmonics.terms):
-            tests[2 * j, k], tests[2 * j + 1, k] = wave.real, wave.imag
-            wave *= stride
-    return tests / sqrt(max(total, TINY))
+        profile[k], turn[0, k], turn[1, k] = wu * cosine + wv * sine, cosine, sine
+
+
+@compiled
+def _power(turn: np.ndarray, exponent: int) -> np.ndarray:
+    """Return powers of complex numbers, real parts above imaginary ones, (2, m)."""
+    result, square = np.zeros(turn.shape), turn.copy()
+    result[0] = 1.0
+    while exponent > 0:
+        if exponent % 2 == 1:
+            last = result.copy()
+            _multiply(last, square, result)
+        last = square.copy()
+        _multiply(last, last, square)
+        exponent //= 2
+    return result
+
+
+@compiled
+def _multiply(one: np.ndarray, other: np.ndarray, result: np.ndarray) -> None:
+    """Write the products of complex numbers, real parts above imaginary ones."""
+    a, b, c, d, real, imaginary = one[0], one[1], other[0], other[1], result[0], result[1]
+    for k in range(len(a)):
+        real[k] = a[k] * c[k] - b[k] * d[k]
+        imaginary[k] = a[k] * d[k] + b[k] * c[k]
 
 
 @compiled
 def _write_sums(
-    tests: np.ndarray,
-    band: tuple[np.ndarray, np.ndarray],
-    fit: tuple[np.ndarray, np.ndarray],
-    sums: np.ndarray,
+    products: np.ndarray, own: float, fit: tuple[np.ndarray, np.ndarray], sums: np.ndarray
 ) -> None:
-    """Write one dot's sums.
+    """Write one dot's sums, from the products of derivatives and residuals with test functions.
 
-    `band` holds derivatives and residuals, `fit` the priors' rows and the factorised system. A fit takes from
-    a test function `t` what it can follow: of white noise ``t't - t'G inv(A) G't - |P inv(A) G't|^2`` is
-    left, for derivatives G, priors P and A = G'G + P'P.
+    `own` is the sum of the squares of a harmonic's test functions, `fit` holds the priors' rows and the
+    factorised system. A fit takes from a test function `t` what it can follow: of white noise
+    ``t't - t'G inv(A) G't - |P inv(A) G't|^2`` is left, for derivatives G, priors P and A = G'G + P'P.
     """
-    slopes, residual = band
     priors, system = fit
-    both = np.empty((2, PARAMETERS))
     for harmonic in range(len(sums)):
-        cosine, sine = tests[2 * harmonic], tests[2 * harmonic + 1]
-        # Several sums at a time, so that none waits for the last.
-        seen_c, seen_s, own = 0.0, 0.0, 0.0
-        for k in range(len(residual)):
-            seen_c += cosine[k] * residual[k]
-            seen_s += sine[k] * residual[k]
-            own += cosine[k] * cosine[k] + sine[k] * sine[k]
-        for i in range(0, PARAMETERS, 2):
-            p, q = slopes[i], slopes[i + 1]
-            cosine_p, cosine_q, sine_p, sine_q = 0.0, 0.0, 0.0, 0.0
-            for k in range(len(residual)):
-                cosine_p += cosine[k] * p[k]
-                cosine_q += cosine[k] * q[k]
-                sine_p += sine[k] * p[k]
-                sine_q += sine[k] * q[k]
-            both[0, i], both[0, i + 1], both[1, i], both[1, i + 1] = cosine_p, cosine_q, sine_p, sine_q
-        for followed in both:
-            own -= _followed(followed, priors, system)
-        sums[harmonic, 0], sums[harmonic, 1], sums[harmonic, 2] = seen_c, seen_s, max(own, 0.0)
+        left = own
+        for test in range(2 * harmonic, 2 * harmonic + 2):
+            left -= _followed(products[:PARAMETERS, test].copy(), priors, system)
+            sums[harmonic, test - 2 * harmonic] = products[PARAMETERS, test]
+        sums[harmonic, 2] = max(left, 0.0)
 
 
 @compiled
