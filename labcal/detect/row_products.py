@@ -43,6 +43,29 @@ def add_products(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sum
 
 
 @compiled
+def add_own_products(rows: np.ndarray, width: int, sums: np.ndarray) -> None:
+    """Add the scalar products of rows with one another to the lower triangle of `sums`, and some above it.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (m, n)
+        m is a multiple of 4.
+    width : int
+        So many columns count, a multiple of 4.
+    sums : ndarray, shape (m, m)
+    """
+    for i in range(0, rows.shape[0], HIGH):
+        for j in range(0, i + HIGH, WIDE):
+            add_tile(rows[i : i + HIGH], rows[j : j + WIDE], (0, width), sums[i : i + HIGH, j : j + WIDE])
+
+
+@compiled
+def filled_up(count: int) -> int:
+    """Return the length of rows of so many numbers that zeros fill up to a multiple of the lanes."""
+    return -(-count // LANES) * LANES
+
+
+@compiled
 def add_tile(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sums: np.ndarray) -> None:
     """Add the products of two rows with four rows to `sums`, shape (2, 4), see :func:`add_products`."""
     tile = _tile(left, right, part[0], part[1])

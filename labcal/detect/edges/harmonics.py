@@ -4,6 +4,7 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Int
 
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
@@ -22,12 +23,12 @@ from labcal.detect.edges.edge_model import (
     SHADING,
     STATE,
     TINY,
+    equations_of,
     flat_moments,
     flattened,
     linearise,
-    normal_equations,
 )
-from labcal.detect.row_products import HIGH, LANES, WIDE, add_products
+from labcal.detect.row_products import HIGH, WIDE, add_products, filled_up
 
 _SINGULAR = 1e-12
 _SLOPES = HIGH * -(-(PARAMETERS + 1) // HIGH)
@@ -41,6 +42,11 @@ class Harmonics(NamedTuple):
     stride: int
     terms: int
 
+    @property
+    def numbers(self) -> Int[np.ndarray, " k"]:
+        """Numbers of waves around the outline."""
+        return self.first + self.stride * np.arange(self.terms)
+
 
 @compiled
 def harmonic_sums(
@@ -48,7 +54,7 @@ def harmonic_sums(
     table: np.ndarray,
     weights: np.ndarray,
     picture: tuple[np.ndarray, float],
-    harmonics: Harmonics,
+    numbers: np.ndarray,
     limits: EdgeLimits,
 ) -> np.ndarray:
     """Return sums of each dot's residuals by harmonic, and the power that white noise would have, (n, k, 3).
@@ -67,7 +73,8 @@ def harmonic_sums(
         Weights of the fit's parameters in the centre that is stated.
     picture : (ndarray, float)
         The holes of rings, shape (n,), and how far no other dot is met; radii.
-    harmonics : Harmonics
+    numbers : ndarray of int, shape (k,)
+        Of the harmonics, increasing.
     limits : EdgeLimits
 
     Returns
@@ -76,7 +83,7 @@ def harmonic_sums(
         0 where a fit cannot be repeated.
     """
     hole, reach = picture
-    sums = np.zeros((len(table), harmonics.terms, 3))
+    sums = np.zeros((len(table), len(numbers), 3))
     system, moments = np.empty((PARAMETERS + 2, PARAMETERS + 2)), np.empty((2, MOMENTS))
     work = np.empty(PLANES * CHUNK), np.empty((PRIORS, PARAMETERS + 1)), system
     expected = limits.prior_shading_share, limits.prior_third_harmonic_per_px
@@ -91,27 +98,21 @@ def harmonic_sums(
             slopes, found = _slopes(state, shading, band, work[0])
         pixels, count = band
         flat_moments(state, shading, pixels[:, count:], moments)
-        normal_equations(state, shading, pixels[:, :count], moments, expected, work)
+        equations_of(state, shading, (slopes, count), moments, expected, work[1:])
         if not factorise(system, PARAMETERS, _SINGULAR):
             continue
         wanted = weights[number].copy()
         for axis in range(2):
             solve(system, wanted[axis])
-        tests = _test_functions(state, band, _combined(wanted, slopes), harmonics)
+        tests = _test_functions(state, band, _combined(wanted, slopes), numbers)
         products = np.zeros((_SLOPES, len(tests)))
-        edge = _padded(count)
+        edge = filled_up(count)
         add_products(slopes, tests, (0, edge), products)
         # Flat pixels change with the shading alone, whose rows come last.
         add_products(slopes[STATE:], tests, (edge, slopes.shape[1]), products[STATE:])
         own = (tests[:2] * tests[:2]).sum()  # the same for all harmonics
         _write_sums(products, own, (work[1], system), sums[number])
     return sums
-
-
-@compiled
-def _padded(count: int) -> int:
-    """Return the length of a row of so many numbers that is filled up with zeros."""
-    return -(-count // LANES) * LANES
 
 
 @compiled
@@ -125,8 +126,8 @@ def _slopes(
     """
     planes = chunk.reshape(PLANES, CHUNK)
     pixels, total = band
-    shift = _padded(total) - total
-    slopes = np.zeros((_SLOPES, total + shift + _padded(pixels.shape[1] - total)))
+    shift = filled_up(total) - total
+    slopes = np.zeros((_SLOPES, total + shift + filled_up(pixels.shape[1] - total)))
     found = np.empty((2, pixels.shape[1]))
     for first in range(0, total, CHUNK):
         count = min(CHUNK, total - first)
@@ -160,25 +161,28 @@ def _combined(weights: np.ndarray, slopes: np.ndarray) -> np.ndarray:
 
 @compiled
 def _test_functions(
-    state: np.ndarray, band: tuple[np.ndarray, int], weights: np.ndarray, harmonics: Harmonics
+    state: np.ndarray, band: tuple[np.ndarray, int], weights: np.ndarray, numbers: np.ndarray
 ) -> np.ndarray:
     """Return the profile of the centre's weights times cosine and sine of each harmonic, filled up, (p, m).
 
     The squares of the cosine and the sine of each add up to 1, unless all weights are 0.
     """
     pixels, total = band
-    edge, count = _padded(total), weights.shape[1]
+    edge, count = filled_up(total), weights.shape[1]
     profile, turn = np.zeros((2, count)), np.zeros((2, count))
     after = edge + pixels.shape[1] - total
     _write_profile(state, pixels[:, :total], weights[:, :total], profile[0, :total], turn[:, :total])
     flat = slice(edge, after)
     _write_profile(state, pixels[:, total:], weights[:, flat], profile[0, flat], turn[:, flat])
     profile /= sqrt(max((profile[0] * profile[0]).sum(), TINY))
-    tests = np.zeros((WIDE * -(-2 * harmonics.terms // WIDE), count))
-    _multiply(profile, _power(turn, harmonics.first), tests[:2])
-    stride = _power(turn, harmonics.stride)
-    for j in range(2, 2 * harmonics.terms, 2):
-        _multiply(tests[j - 2 : j], stride, tests[j : j + 2])
+    tests = np.zeros((WIDE * -(-2 * len(numbers) // WIDE), count))
+    _multiply(profile, _power(turn, numbers[0]), tests[:2])
+    further, step = turn, 1
+    for j in range(1, len(numbers)):
+        if numbers[j] - numbers[j - 1] != step:
+            step = numbers[j] - numbers[j - 1]
+            further = _power(turn, step)
+        _multiply(tests[2 * j - 2 : 2 * j], further, tests[2 * j : 2 * j + 2])
     return tests
 
 

@@ -59,33 +59,19 @@ def outline_noise(
     table, weights, picture = table[some], weights[some], (picture[0][some], picture[1])
     radius = float(np.median(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2)))
     harmonics = chosen_harmonics(radius, settings)
-    fits = table, weights, picture
-    sums = _in_noise(grey, fits, harmonics, settings)
+    nearest = neighbouring(harmonics)
+    numbers = np.union1d(harmonics.numbers, nearest.numbers)
+    sums = harmonic_sums(grey, table, weights, picture, numbers, settings.limits(EdgeLimits))
+    sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
     step = (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE])
-    powers = own_powers(sums, step)
-    number = harmonics.first + harmonics.stride * np.arange(harmonics.terms)
-    ratio, error = long_wave_ratio(powers, 2.0 * pi * radius / number, settings)
+    powers = own_powers(sums[:, np.isin(numbers, harmonics.numbers)], step)
+    ratio, error = long_wave_ratio(powers, 2.0 * pi * radius / harmonics.numbers, settings)
     factor = beside_flat_parts(ratio, error, flat, settings)
     if factor == 1.0:
         return OutlineNoise(factor, np.eye(2))
-    nearest = neighbouring(harmonics)
-    if nearest != harmonics:
-        sums = _in_noise(grey, fits, nearest, settings)
+    sums = sums[:, np.isin(numbers, nearest.numbers)]
     kept = without_shared_shape(sums[..., :2], step)
     return OutlineNoise(factor, noise_by_direction(kept, sums[..., 2], nearest, settings))
-
-
-def _in_noise(
-    grey: GreyPicture,
-    fits: tuple[np.ndarray, np.ndarray, tuple[np.ndarray, float]],
-    harmonics: Harmonics,
-    settings: EdgeSettings,
-) -> Float64[np.ndarray, "n k 3"]:
-    """Return the sums of :func:`~labcal.detect.edges.harmonics.harmonic_sums` over the dots' noise."""
-    table, weights, picture = fits
-    sums = harmonic_sums(grey, table, weights, picture, harmonics, settings.limits(EdgeLimits))
-    sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
-    return np.asarray(sums)
 
 
 def beside_flat_parts(ratio: float, error: float, flat: float, settings: EdgeSettings) -> float:
