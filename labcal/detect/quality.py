@@ -11,6 +11,7 @@ from labcal.detect.flags import DotFlag
 from labcal.detect.lattice.dot_shapes import deviating_shapes
 from labcal.detect.lattice.numbering import AnyNumbering
 from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.quality import QualitySettings
@@ -54,7 +55,8 @@ def flag_dots(
     lattice, outlines = predictor.lattice, predictor.outlines
     index = [numbering.index(node) for node in lattice.spots]
     spots = outlines.select(np.array(list(lattice.spots.values())))
-    ring = np.array([place in target.ring_indices for place in index])
+    rings = target.ring_indices
+    ring = np.array([place in rings for place in index])
     dark, light = np.minimum(fits.board, fits.dot), np.maximum(fits.board, fits.dot)
     misfit = misfits(dark, light, fits.variance, limits)
     rough = _is_rough(fits, spots, ring, limits)
@@ -84,7 +86,7 @@ def _is_rough(fits: EdgeFits, spots: Outlines, ring: np.ndarray, limits: Quality
 
     A print may be ragged, and a renderer's discs are polygons; rings lighten with their holes, so they may.
     """
-    usual = float(np.median(fits.departure[fits.ok])) if fits.ok.any() else 0.0
+    usual = median_of(fits.departure[fits.ok]) if fits.ok.any() else 0.0
     farthest = limits.departure_factor * usual + limits.departure_share * spots.radius
     pale = paleness(fits.board, fits.dot, limits) > limits.max_paleness_share
     rough: Mask = (fits.departure > farthest) | (pale & ~ring)
@@ -98,7 +100,7 @@ def _is_burnt_out(fits: EdgeFits, limits: QualitySettings) -> bool:
     """
     if not fits.ok.any():
         return False
-    burnt, profile = np.median(fits.burnt[fits.ok]), np.median(fits.profile[fits.ok])
+    burnt, profile = median_of(fits.burnt[fits.ok]), median_of(fits.profile[fits.ok])
     return bool(burnt > limits.burnt_share and profile > limits.burnt_profile_share)
 
 

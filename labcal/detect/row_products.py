@@ -1,12 +1,14 @@
 """Scalar products of rows, four numbers at a time, in instructions that Numba does not choose by itself."""
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.base import BaseContext
+from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
 
 from labcal.detect.compiled import compiled
@@ -14,8 +16,10 @@ from labcal.detect.compiled import compiled
 LANES = 4
 """Partial sums of a product. Rows are this long or a multiple of it: what is too much of them is 0."""
 HIGH, WIDE = 2, 4
-"""Rows on the left, and on the right, of which all pairs are multiplied together, so that loads are shared."""
+"""Rows on the left, and on the right, of which all pairs are multiplied at a time: loads are shared."""
 
+Code = Callable[[BaseContext, ir.IRBuilder, Signature, Sequence[ir.Value]], ir.Value]
+"""A function that writes instructions, and returns where their result is."""
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
 
@@ -68,18 +72,21 @@ def filled_up(count: int) -> int:
 @compiled
 def add_tile(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sums: np.ndarray) -> None:
     """Add the products of two rows with four rows to `sums`, shape (2, 4), see :func:`add_products`."""
-    tile = _tile(left, right, part[0], part[1])
+    tile = _TILE(left, right, part[0], part[1])
     for i in range(HIGH):
         for j in range(WIDE):
             sums[i, j] += tile[WIDE * i + j]
 
 
-@intrinsic
-def _tile(_context: Any, left: Any, right: Any, first: Any, last: Any) -> tuple[Any, Callable[..., Any]]:
+def _tile_code(
+    _context: BaseContext, left: types.Array, right: types.Array, first: types.Type, last: types.Type
+) -> tuple[Signature, Code]:
     """Return the eight products of two rows with four rows, one row after the other."""
-    returned = types.UniTuple(types.float64, HIGH * WIDE)
+    returned = types.UniTuple(types.float64, HIGH * WIDE)  # type: ignore[no-untyped-call]
 
-    def code(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> Any:
+    def code(
+        context: BaseContext, builder: ir.IRBuilder, signature: Signature, arguments: Sequence[ir.Value]
+    ) -> ir.Value:
         rows = [
             _row(builder, cgutils.create_struct_proxy(kind)(context, builder, value=value), number)
             for kind, value, count in zip(signature.args, arguments, (HIGH, WIDE), strict=False)
@@ -95,7 +102,10 @@ def _tile(_context: Any, left: Any, right: Any, first: Any, last: Any) -> tuple[
     return returned(left, right, first, last), code
 
 
-def _row(builder: ir.IRBuilder, array: Any, number: int) -> ir.Value:
+_TILE = cast("Callable[[np.ndarray, np.ndarray, int, int], tuple[float, ...]]", intrinsic(_tile_code))
+
+
+def _row(builder: ir.IRBuilder, array: cgutils.ValueStructProxy, number: int) -> ir.Value:
     """Return the address of a row of a two-dimensional array, whose rows are without gaps."""
     stride = builder.extract_value(array.strides, 0)
     start = builder.ptrtoint(array.data, _INDEX)
@@ -103,9 +113,7 @@ def _row(builder: ir.IRBuilder, array: Any, number: int) -> ir.Value:
     return builder.inttoptr(place, _DOUBLE.as_pointer())
 
 
-def _summed(
-    builder: ir.IRBuilder, rows: list[ir.Value], part: tuple[ir.Value, ir.Value]
-) -> list[ir.Value]:
+def _summed(builder: ir.IRBuilder, rows: list[ir.Value], part: tuple[ir.Value, ir.Value]) -> list[ir.Value]:
     """Return the lanes of the products of the first two rows with each of the others."""
     before, loop, after = builder.block, builder.append_basic_block("sum"), builder.append_basic_block("done")
     zero = ir.Constant(_VECTOR, [0.0] * LANES)
@@ -120,9 +128,7 @@ def _summed(
             address = builder.bitcast(builder.gep(row, [place]), _VECTOR.as_pointer())
             values.append(builder.load(address, align=8))
         pairs = [(one, other) for one in values[:HIGH] for other in values[HIGH:]]
-        sums = [
-            builder.fadd(total, builder.fmul(*pair)) for total, pair in zip(totals, pairs, strict=True)
-        ]
+        sums = [builder.fadd(total, builder.fmul(*pair)) for total, pair in zip(totals, pairs, strict=True)]
         following = builder.add(place, ir.Constant(_INDEX, LANES))
         place.add_incoming(following, loop)
         for total, added in zip(totals, sums, strict=True):

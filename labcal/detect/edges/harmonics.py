@@ -150,12 +150,12 @@ def _slopes(
 def _combined(weights: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """Return the weights of the pixels in the centre, (2, m), from those of the parameters."""
     combined = np.zeros((2, slopes.shape[1]))
-    for axis in range(2):
-        row = combined[axis]
-        for i in range(PARAMETERS):
-            weight, slope = weights[axis, i], slopes[i]
-            for k in range(len(row)):
-                row[k] += weight * slope[k]
+    first, second = combined[0], combined[1]
+    for i in range(PARAMETERS):
+        weight, other, slope = weights[0, i], weights[1, i], slopes[i]
+        for k in range(len(slope)):
+            first[k] += weight * slope[k]
+            second[k] += other * slope[k]
     return combined
 
 
@@ -167,61 +167,80 @@ def _test_functions(
 
     The squares of the cosine and the sine of each add up to 1, unless all weights are 0.
     """
-    pixels, total = band
-    edge, count = filled_up(total), weights.shape[1]
-    profile, turn = np.zeros((2, count)), np.zeros((2, count))
-    after = edge + pixels.shape[1] - total
-    _write_profile(state, pixels[:, :total], weights[:, :total], profile[0, :total], turn[:, :total])
-    flat = slice(edge, after)
-    _write_profile(state, pixels[:, total:], weights[:, flat], profile[0, flat], turn[:, flat])
-    profile /= sqrt(max((profile[0] * profile[0]).sum(), TINY))
-    tests = np.zeros((WIDE * -(-2 * len(numbers) // WIDE), count))
-    _multiply(profile, _power(turn, numbers[0]), tests[:2])
-    further, step = turn, 1
-    for j in range(1, len(numbers)):
-        if numbers[j] - numbers[j - 1] != step:
-            step = numbers[j] - numbers[j - 1]
-            further = _power(turn, step)
-        _multiply(tests[2 * j - 2 : 2 * j], further, tests[2 * j : 2 * j + 2])
+    pixels, edge = band
+    tests = np.zeros((WIDE * -(-2 * len(numbers) // WIDE), weights.shape[1]))
+    _write_tests(state, pixels[:, :edge], weights[:, :edge], numbers, tests[:, :edge])
+    first, flat = filled_up(edge), pixels.shape[1] - edge
+    _write_tests(
+        state,
+        pixels[:, edge:],
+        weights[:, first : first + flat],
+        numbers,
+        tests[:, first : first + flat],
+    )
+    tests /= sqrt(max((tests[:2] * tests[:2]).sum(), TINY))
     return tests
 
 
 @compiled
-def _write_profile(
-    state: np.ndarray, pixels: np.ndarray, weights: np.ndarray, profile: np.ndarray, turn: np.ndarray
+def _write_tests(
+    state: np.ndarray, pixels: np.ndarray, weights: np.ndarray, numbers: np.ndarray, tests: np.ndarray
 ) -> None:
-    """Write the weights of pixels in a shift away from the centre, and cosine and sine of their angles."""
-    for k in range(len(profile)):
-        u, v = flattened(state, pixels[0, k], pixels[1, k])
-        share = 1.0 / sqrt(u * u + v * v + TINY)
-        cosine, sine = u * share, v * share
-        wu = state[2] * weights[0, k] + state[3] * weights[1, k]
-        wv = state[3] * weights[0, k] + state[4] * weights[1, k]
-        profile[k], turn[0, k], turn[1, k] = wu * cosine + wv * sine, cosine, sine
+    """Write test functions of some pixels, not yet scaled.
+
+    They are computed for a chunk at a time: places at constant distances let the compiler take several pixels
+    together. A chunk of complex numbers has the imaginary parts behind the real ones.
+    """
+    a, b, c = state[2], state[3], state[4]
+    chunk, turn, wave = np.zeros(4 * CHUNK), np.zeros(2 * CHUNK), np.zeros(2 * CHUNK)
+    last, step, spare = np.zeros(2 * CHUNK), np.zeros(2 * CHUNK), np.zeros(2 * CHUNK)
+    for first in range(0, pixels.shape[1], CHUNK):
+        count = min(CHUNK, pixels.shape[1] - first)
+        for row in range(2):
+            chunk[row * CHUNK : row * CHUNK + count] = pixels[row, first : first + count] - state[row]
+            chunk[(2 + row) * CHUNK : (2 + row) * CHUNK + count] = weights[row, first : first + count]
+        for k in range(CHUNK):
+            dx, dy, wx, wy = chunk[k], chunk[CHUNK + k], chunk[2 * CHUNK + k], chunk[3 * CHUNK + k]
+            u, v = a * dx + b * dy, b * dx + c * dy
+            share = 1.0 / sqrt(u * u + v * v + TINY)
+            cosine, sine = u * share, v * share
+            turn[k], turn[CHUNK + k] = cosine, sine
+            # The weight of a shift away from the centre.
+            last[k], last[CHUNK + k] = (a * wx + b * wy) * cosine + (b * wx + c * wy) * sine, 0.0
+        apart = 0
+        for j in range(len(numbers)):
+            further = numbers[j] - (numbers[j - 1] if j > 0 else 0)
+            if further != apart:
+                apart = further
+                _power(turn, apart, step, spare)
+            _multiply(last, step, wave)
+            tests[2 * j, first : first + count] = wave[:count]
+            tests[2 * j + 1, first : first + count] = wave[CHUNK : CHUNK + count]
+            last, wave = wave, last
 
 
 @compiled
-def _power(turn: np.ndarray, exponent: int) -> np.ndarray:
-    """Return powers of complex numbers, real parts above imaginary ones, (2, m)."""
-    result, square = np.zeros(turn.shape), turn.copy()
-    result[0] = 1.0
-    while exponent > 0:
-        if exponent % 2 == 1:
-            last = result.copy()
-            _multiply(last, square, result)
-        last = square.copy()
-        _multiply(last, last, square)
-        exponent //= 2
-    return result
+def _power(turn: np.ndarray, exponent: int, result: np.ndarray, spare: np.ndarray) -> None:
+    """Write powers of a chunk of complex numbers, with an exponent of at least 1; `spare` is overwritten."""
+    result[:] = turn
+    bit = 1
+    while 2 * bit <= exponent:
+        bit *= 2
+    while bit > 1:
+        bit //= 2
+        spare[:] = result
+        _multiply(spare, spare, result)
+        if exponent & bit:
+            spare[:] = result
+            _multiply(spare, turn, result)
 
 
 @compiled
 def _multiply(one: np.ndarray, other: np.ndarray, result: np.ndarray) -> None:
-    """Write the products of complex numbers, real parts above imaginary ones."""
-    a, b, c, d, real, imaginary = one[0], one[1], other[0], other[1], result[0], result[1]
-    for k in range(len(a)):
-        real[k] = a[k] * c[k] - b[k] * d[k]
-        imaginary[k] = a[k] * d[k] + b[k] * c[k]
+    """Write the products of two chunks of complex numbers."""
+    for k in range(CHUNK):
+        a, b, c, d = one[k], one[CHUNK + k], other[k], other[CHUNK + k]
+        result[k], result[CHUNK + k] = a * c - b * d, a * d + b * c
 
 
 @compiled
