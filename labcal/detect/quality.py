@@ -64,20 +64,23 @@ def flag_dots(
     rough |= deviating_shapes(predictor, _fitted(fits, predictor), target, settings)
     burnt_out = _is_burnt_out(fits, limits)
     minor = np.sqrt(eigenvalues(spots.shape)[:, 0])
+    blurred = (spots.blur > limits.max_blur_share * minor).tolist()
+    saturated = (fits.ok & (burnt_out | (fits.clipped > limits.max_clipped_share))).tolist()
+    bad = (~fits.ok | rough).tolist()
     dots = []
-    for number, place in enumerate(index):
-        seen_at, outline = spots.centre[number], spots.shape[number]
-        if spots.blur[number] > limits.max_blur_share * minor[number]:
-            dots.append(FlaggedDot(place, DotFlag.BLURRED, seen_at, outline))
-        elif fits.ok[number] and (burnt_out or fits.clipped[number] > limits.max_clipped_share):
-            dots.append(FlaggedDot(place, DotFlag.SATURATED, seen_at, outline))
-        elif not fits.ok[number] or rough[number]:
-            dots.append(FlaggedDot(place, DotFlag.BAD_FIT, seen_at, outline))
-        else:
-            flag = DotFlag.OK if target.holds(*place) else DotFlag.BEYOND_GRID
-            centre = fits.centre[number]
-            measured = (centre, fits.covariance[number], float(misfit[number]))
-            dots.append(FlaggedDot(place, flag, centre, fits.shape[number], *measured))
+    for number, (place, off) in enumerate(zip(index, misfit.tolist(), strict=True)):
+        if blurred[number] or saturated[number] or bad[number]:
+            flag = DotFlag.BAD_FIT
+            if blurred[number]:
+                flag = DotFlag.BLURRED
+            elif saturated[number]:
+                flag = DotFlag.SATURATED
+            dots.append(FlaggedDot(place, flag, spots.centre[number], spots.shape[number]))
+            continue
+        flag = DotFlag.OK if target.holds(*place) else DotFlag.BEYOND_GRID
+        centre = fits.centre[number]
+        measured = (centre, fits.covariance[number], off)
+        dots.append(FlaggedDot(place, flag, centre, fits.shape[number], *measured))
     return dots
 
 

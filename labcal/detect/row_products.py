@@ -70,6 +70,20 @@ def filled_up(count: int) -> int:
 
 
 @compiled
+def copy_columns(source: np.ndarray, at: int, target: np.ndarray, place: tuple[int, int]) -> None:
+    """Copy columns of every row of `source`, from the column `at` on, to the first rows of `target`.
+
+    `place` is the first column there and the number of columns. Assignment of slices looks for overlaps
+    first, which takes longer than copying some hundred numbers.
+    """
+    first, count = place
+    for i in range(source.shape[0]):
+        row, copy = source[i, at : at + count], target[i, first : first + count]
+        for k in range(count):
+            copy[k] = row[k]
+
+
+@compiled
 def add_tile(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sums: np.ndarray) -> None:
     """Add the products of two rows with four rows to `sums`, shape (2, 4), see :func:`add_products`."""
     tile = _TILE(left, right, part[0], part[1])

@@ -54,8 +54,10 @@ def pixels_around(
             edge = used & (edge_least < rho2) & (rho2 < edge_most) & near
             of_edge[column] = edge
             of_flat[column] = used & ~edge & (flat_least <= rho2) & (rho2 <= flat_most)
-        # Every pixel is written to both ends, and stays where it belongs: no branch is taken.
+        # A used pixel is written to both ends, and stays where it belongs: that takes no branch.
         for column in range(right - left + 1):
+            if of_edge[column] + of_flat[column] == 0:
+                continue
             x = left + column
             pixels[0, count], pixels[1, count], pixels[2, count] = x, y, grey[y, x]
             count += of_edge[column]

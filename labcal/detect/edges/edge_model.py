@@ -13,7 +13,7 @@ from math import sqrt
 import numpy as np
 
 from labcal.detect.compiled import compiled
-from labcal.detect.row_products import add_own_products, filled_up
+from labcal.detect.row_products import add_own_products, copy_columns, filled_up
 
 PARAMETERS, STATE, SHADING = 14, 8, 6
 CHUNK = 192
@@ -52,7 +52,7 @@ def normal_equations(
     rows = planes[ROWS : ROWS + PARAMETERS + 2]  # the last for its place: they are taken in fours
     for first in range(0, total, CHUNK):
         count = min(CHUNK, total - first)
-        planes[:ROWS, :count] = edge[:, first : first + count]
+        copy_columns(edge, first, planes, (0, count))
         linearise(state, shading, chunk, count)
         rows[:, count : filled_up(count)] = 0.0
         add_own_products(rows, filled_up(count), system)

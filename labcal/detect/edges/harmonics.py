@@ -28,7 +28,8 @@ from labcal.detect.edges.edge_model import (
     flattened,
     linearise,
 )
-from labcal.detect.row_products import HIGH, WIDE, add_products, filled_up
+from labcal.detect.edges.waves import wave_functions
+from labcal.detect.row_products import HIGH, LANES, WIDE, add_products, add_tile, copy_columns, filled_up
 
 _SINGULAR = 1e-12
 _SLOPES = HIGH * -(-(PARAMETERS + 1) // HIGH)
@@ -87,15 +88,21 @@ def harmonic_sums(
     system, moments = np.empty((PARAMETERS + 2, PARAMETERS + 2)), np.empty((2, MOMENTS))
     work = np.empty(PLANES * CHUNK), np.empty((PRIORS, PARAMETERS + 1)), system
     expected = limits.prior_shading_share, limits.prior_third_harmonic_per_px
+    tests_count = WIDE * -(-2 * len(numbers) // WIDE)
+    spaces = np.empty(0), np.empty(0)
+    room = 0  # for so many pixels; memory that is allocated dot by dot comes page by page
     for number in range(len(table)):
         state, shading = table[number, :STATE], table[number, STATE : STATE + SHADING]
         band = pixels_around(grey, state, (hole[number], reach), limits)
-        slopes, found = _slopes(state, shading, band, work[0])
+        if band[0].shape[1] > room:
+            room = 2 * band[0].shape[1]
+            spaces = np.empty(_SLOPES * (room + 2 * LANES)), np.empty(tests_count * (room + 2 * LANES))
+        slopes, found = _slopes(state, shading, band, work[0], spaces[0])
         step = abs(shading[0] - shading[3])
         clean = without_clutter(band, found, step, limits)
         if clean[0].shape[1] < band[0].shape[1]:
             band = clean
-            slopes, found = _slopes(state, shading, band, work[0])
+            slopes, found = _slopes(state, shading, band, work[0], spaces[0])
         pixels, count = band
         flat_moments(state, shading, pixels[:, count:], moments)
         equations_of(state, shading, (slopes, count), moments, expected, work[1:])
@@ -104,37 +111,47 @@ def harmonic_sums(
         wanted = weights[number].copy()
         for axis in range(2):
             solve(system, wanted[axis])
-        tests = _test_functions(state, band, _combined(wanted, slopes), numbers)
+        tests = wave_functions(state, band, _combined(wanted, slopes), numbers, spaces[1])
         products = np.zeros((_SLOPES, len(tests)))
         edge = filled_up(count)
         add_products(slopes, tests, (0, edge), products)
         # Flat pixels change with the shading alone, whose rows come last.
         add_products(slopes[STATE:], tests, (edge, slopes.shape[1]), products[STATE:])
-        own = (tests[:2] * tests[:2]).sum()  # the same for all harmonics
-        _write_sums(products, own, (work[1], system), sums[number])
+        squares = np.zeros((HIGH, WIDE))
+        add_tile(tests[:HIGH], tests[:WIDE], (0, tests.shape[1]), squares)
+        own = squares[0, 0] + squares[1, 1]  # the same for all harmonics
+        products /= sqrt(max(own, TINY))
+        _write_sums(products, min(own / TINY, 1.0), (work[1], system), sums[number])
     return sums
 
 
 @compiled
 def _slopes(
-    state: np.ndarray, shading: np.ndarray, band: tuple[np.ndarray, int], chunk: np.ndarray
+    state: np.ndarray,
+    shading: np.ndarray,
+    band: tuple[np.ndarray, int],
+    chunk: np.ndarray,
+    space: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return rows of the pixels' derivatives by the parameters and of residuals; residual and blurs away.
 
-    The rows, shape (_SLOPES, m), are filled up behind the edge's pixels and behind the flat ones; the second
-    array, shape (2, n), is not.
+    The rows, shape (_SLOPES, m) in `space`, are filled up behind the edge's pixels and behind the flat ones;
+    the second array, shape (2, n), is not.
     """
     planes = chunk.reshape(PLANES, CHUNK)
     pixels, total = band
     shift = filled_up(total) - total
-    slopes = np.zeros((_SLOPES, total + shift + filled_up(pixels.shape[1] - total)))
+    width = total + shift + filled_up(pixels.shape[1] - total)
+    slopes = space[: _SLOPES * width].reshape(_SLOPES, width)
+    slopes[:, total:] = 0.0
+    slopes[PARAMETERS + 1 :] = 0.0
     found = np.empty((2, pixels.shape[1]))
     for first in range(0, total, CHUNK):
         count = min(CHUNK, total - first)
-        planes[:ROWS, :count] = pixels[:, first : first + count]
+        copy_columns(pixels, first, planes, (0, count))
         linearise(state, shading, chunk, count)
-        slopes[: PARAMETERS + 1, first : first + count] = planes[ROWS : RESIDUAL + 1, :count]
-        found[:, first : first + count] = planes[RESIDUAL : BLURS_AWAY + 1, :count]
+        copy_columns(planes[ROWS : RESIDUAL + 1], 0, slopes, (first, count))
+        copy_columns(planes[RESIDUAL : BLURS_AWAY + 1], 0, found, (first, count))
     for k in range(total, pixels.shape[1]):
         u, v = flattened(state, pixels[0, k], pixels[1, k])
         inside = u * u + v * v < 1.0
@@ -157,90 +174,6 @@ def _combined(weights: np.ndarray, slopes: np.ndarray) -> np.ndarray:
             first[k] += weight * slope[k]
             second[k] += other * slope[k]
     return combined
-
-
-@compiled
-def _test_functions(
-    state: np.ndarray, band: tuple[np.ndarray, int], weights: np.ndarray, numbers: np.ndarray
-) -> np.ndarray:
-    """Return the profile of the centre's weights times cosine and sine of each harmonic, filled up, (p, m).
-
-    The squares of the cosine and the sine of each add up to 1, unless all weights are 0.
-    """
-    pixels, edge = band
-    tests = np.zeros((WIDE * -(-2 * len(numbers) // WIDE), weights.shape[1]))
-    _write_tests(state, pixels[:, :edge], weights[:, :edge], numbers, tests[:, :edge])
-    first, flat = filled_up(edge), pixels.shape[1] - edge
-    _write_tests(
-        state,
-        pixels[:, edge:],
-        weights[:, first : first + flat],
-        numbers,
-        tests[:, first : first + flat],
-    )
-    tests /= sqrt(max((tests[:2] * tests[:2]).sum(), TINY))
-    return tests
-
-
-@compiled
-def _write_tests(
-    state: np.ndarray, pixels: np.ndarray, weights: np.ndarray, numbers: np.ndarray, tests: np.ndarray
-) -> None:
-    """Write test functions of some pixels, not yet scaled.
-
-    They are computed for a chunk at a time: places at constant distances let the compiler take several pixels
-    together. A chunk of complex numbers has the imaginary parts behind the real ones.
-    """
-    a, b, c = state[2], state[3], state[4]
-    chunk, turn, wave = np.zeros(4 * CHUNK), np.zeros(2 * CHUNK), np.zeros(2 * CHUNK)
-    last, step, spare = np.zeros(2 * CHUNK), np.zeros(2 * CHUNK), np.zeros(2 * CHUNK)
-    for first in range(0, pixels.shape[1], CHUNK):
-        count = min(CHUNK, pixels.shape[1] - first)
-        for row in range(2):
-            chunk[row * CHUNK : row * CHUNK + count] = pixels[row, first : first + count] - state[row]
-            chunk[(2 + row) * CHUNK : (2 + row) * CHUNK + count] = weights[row, first : first + count]
-        for k in range(CHUNK):
-            dx, dy, wx, wy = chunk[k], chunk[CHUNK + k], chunk[2 * CHUNK + k], chunk[3 * CHUNK + k]
-            u, v = a * dx + b * dy, b * dx + c * dy
-            share = 1.0 / sqrt(u * u + v * v + TINY)
-            cosine, sine = u * share, v * share
-            turn[k], turn[CHUNK + k] = cosine, sine
-            # The weight of a shift away from the centre.
-            last[k], last[CHUNK + k] = (a * wx + b * wy) * cosine + (b * wx + c * wy) * sine, 0.0
-        apart = 0
-        for j in range(len(numbers)):
-            further = numbers[j] - (numbers[j - 1] if j > 0 else 0)
-            if further != apart:
-                apart = further
-                _power(turn, apart, step, spare)
-            _multiply(last, step, wave)
-            tests[2 * j, first : first + count] = wave[:count]
-            tests[2 * j + 1, first : first + count] = wave[CHUNK : CHUNK + count]
-            last, wave = wave, last
-
-
-@compiled
-def _power(turn: np.ndarray, exponent: int, result: np.ndarray, spare: np.ndarray) -> None:
-    """Write powers of a chunk of complex numbers, with an exponent of at least 1; `spare` is overwritten."""
-    result[:] = turn
-    bit = 1
-    while 2 * bit <= exponent:
-        bit *= 2
-    while bit > 1:
-        bit //= 2
-        spare[:] = result
-        _multiply(spare, spare, result)
-        if exponent & bit:
-            spare[:] = result
-            _multiply(spare, turn, result)
-
-
-@compiled
-def _multiply(one: np.ndarray, other: np.ndarray, result: np.ndarray) -> None:
-    """Write the products of two chunks of complex numbers."""
-    for k in range(CHUNK):
-        a, b, c, d = one[k], one[CHUNK + k], other[k], other[CHUNK + k]
-        result[k], result[CHUNK + k] = a * c - b * d, a * d + b * c
 
 
 @compiled
