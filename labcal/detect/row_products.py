@@ -8,6 +8,7 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.base import BaseContext
+from numba.core.typing.context import BaseContext as TypingContext
 from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
 
@@ -93,7 +94,7 @@ def add_tile(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sums: n
 
 
 def _tile_code(
-    _context: BaseContext, left: types.Array, right: types.Array, first: types.Type, last: types.Type
+    _context: TypingContext, left: types.Array, right: types.Array, first: types.Type, last: types.Type
 ) -> tuple[Signature, Code]:
     """Return the eight products of two rows with four rows, one row after the other."""
     returned = types.UniTuple(types.float64, HIGH * WIDE)  # type: ignore[no-untyped-call]
