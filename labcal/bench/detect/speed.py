@@ -54,7 +54,7 @@ def speed_findings(bench: Bench) -> Findings:
 
     found = own()
     with one_thread_of_opencv():
-        fastest = _fastest_of_opencv((picture, plain))
+        fastest = fastest_of_opencv((picture, plain))
         ours, theirs = times_in_turn((own, fastest), rounds)
     _, in_threads = times_in_turn((own, fastest), rounds)
     bench.progress.advance()
@@ -137,7 +137,7 @@ def _fill(picture: np.ndarray, outline: np.ndarray, grey: int) -> None:
     cv2.fillPoly(picture, [corners], grey, cv2.LINE_AA, FINE_BITS)
 
 
-def _fastest_of_opencv(pictures: tuple[np.ndarray, ...]) -> Call:
+def fastest_of_opencv(pictures: tuple[np.ndarray, ...]) -> Call:
     """Return the fastest call of OpenCV that finds the grid.
 
     Raises
