@@ -102,17 +102,16 @@ def _tile_code(
     def code(
         context: BaseContext, builder: ir.IRBuilder, signature: Signature, arguments: Sequence[ir.Value]
     ) -> ir.Value:
-        rows = [
-            _row(builder, cgutils.create_struct_proxy(kind)(context, builder, value=value), number)
-            for kind, value, count in zip(signature.args, arguments, (HIGH, WIDE), strict=False)
-            for number in range(count)
-        ]
+        rows = []
+        for kind, value, count in zip(signature.args, arguments, (HIGH, WIDE), strict=False):
+            proxy = cgutils.create_struct_proxy(kind)  # type: ignore[no-untyped-call]
+            rows += [_row(builder, proxy(context, builder, value=value), number) for number in range(count)]
         begin, end = (
-            context.cast(builder, value, kind, types.intp)
+            context.cast(builder, value, kind, types.intp)  # type: ignore[no-untyped-call]
             for kind, value in zip(signature.args[2:], arguments[2:], strict=True)
         )
-        totals = _summed(builder, rows, (begin, end))
-        return context.make_tuple(builder, returned, [_all_lanes(builder, total) for total in totals])
+        totals = [_all_lanes(builder, total) for total in _summed(builder, rows, (begin, end))]
+        return context.make_tuple(builder, returned, totals)  # type: ignore[no-untyped-call]
 
     return returned(left, right, first, last), code
 
