@@ -17,6 +17,7 @@ from labcal.detect.lattice.marks_beside import dots_among, lines_seen
 from labcal.detect.lattice.missed import with_missed
 from labcal.detect.lattice.plain import continues_beyond_grid, with_symmetric_numberings
 from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines, clear_reach
 from labcal.detect.quality import FlaggedDot, flag_dots
 from labcal.detect.segmentation import Candidates, segmentations
@@ -124,14 +125,15 @@ def _detect(
             detail = "The target's columns and rows were seen, and dots beyond them."
             return replace(_collect(every, size, polarity, Refusal.AMBIGUOUS), detail=detail)
     spots = list(lattice.spots.values())
-    ring = np.array([numbering.index(node) in target.ring_indices for node in lattice.spots])
+    rings = target.ring_indices
+    ring = np.array([numbering.index(node) in rings for node in lattice.spots])
     holes = np.where(ring, target.hole_share, 0.0)
     reach = clear_reach(target, settings.segmentation)
     fits = fit_edges(grey, outlines.select(np.array(spots)), holes, reach, black, settings.edge)
     dots = flag_dots(fits, predictor, numbering, target, settings)
     dots += [FlaggedDot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in unmeasured]
     unnamed = _unnamed(outlines.joined(candidates.cut), set(spots))
-    typical = float(np.median(outlines.radius[spots]))
+    typical = median_of(outlines.radius[spots])
     dots += _further(unnamed, typical, np.array([dot.seen_at for dot in dots]), settings.quality)
     return with_symmetric_numberings(_collect(_unique_ids(dots), size, polarity, None), target)
 

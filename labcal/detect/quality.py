@@ -11,6 +11,7 @@ from labcal.detect.flags import DotFlag
 from labcal.detect.lattice.dot_shapes import deviating_shapes
 from labcal.detect.lattice.numbering import AnyNumbering
 from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.quality import QualitySettings
@@ -54,7 +55,8 @@ def flag_dots(
     lattice, outlines = predictor.lattice, predictor.outlines
     index = [numbering.index(node) for node in lattice.spots]
     spots = outlines.select(np.array(list(lattice.spots.values())))
-    ring = np.array([place in target.ring_indices for place in index])
+    rings = target.ring_indices
+    ring = np.array([place in rings for place in index])
     dark, light = np.minimum(fits.board, fits.dot), np.maximum(fits.board, fits.dot)
     misfit = misfits(dark, light, fits.variance, limits)
     rough = _is_rough(fits, spots, ring, limits)
@@ -62,20 +64,23 @@ def flag_dots(
     rough |= deviating_shapes(predictor, _fitted(fits, predictor), target, settings)
     burnt_out = _is_burnt_out(fits, limits)
     minor = np.sqrt(eigenvalues(spots.shape)[:, 0])
+    blurred = (spots.blur > limits.max_blur_share * minor).tolist()
+    saturated = (fits.ok & (burnt_out | (fits.clipped > limits.max_clipped_share))).tolist()
+    bad = (~fits.ok | rough).tolist()
     dots = []
-    for number, place in enumerate(index):
-        seen_at, outline = spots.centre[number], spots.shape[number]
-        if spots.blur[number] > limits.max_blur_share * minor[number]:
-            dots.append(FlaggedDot(place, DotFlag.BLURRED, seen_at, outline))
-        elif fits.ok[number] and (burnt_out or fits.clipped[number] > limits.max_clipped_share):
-            dots.append(FlaggedDot(place, DotFlag.SATURATED, seen_at, outline))
-        elif not fits.ok[number] or rough[number]:
-            dots.append(FlaggedDot(place, DotFlag.BAD_FIT, seen_at, outline))
-        else:
-            flag = DotFlag.OK if target.holds(*place) else DotFlag.BEYOND_GRID
-            centre = fits.centre[number]
-            measured = (centre, fits.covariance[number], float(misfit[number]))
-            dots.append(FlaggedDot(place, flag, centre, fits.shape[number], *measured))
+    for number, (place, off) in enumerate(zip(index, misfit.tolist(), strict=True)):
+        if blurred[number] or saturated[number] or bad[number]:
+            flag = DotFlag.BAD_FIT
+            if blurred[number]:
+                flag = DotFlag.BLURRED
+            elif saturated[number]:
+                flag = DotFlag.SATURATED
+            dots.append(FlaggedDot(place, flag, spots.centre[number], spots.shape[number]))
+            continue
+        flag = DotFlag.OK if target.holds(*place) else DotFlag.BEYOND_GRID
+        centre = fits.centre[number]
+        measured = (centre, fits.covariance[number], off)
+        dots.append(FlaggedDot(place, flag, centre, fits.shape[number], *measured))
     return dots
 
 
@@ -84,7 +89,7 @@ def _is_rough(fits: EdgeFits, spots: Outlines, ring: np.ndarray, limits: Quality
 
     A print may be ragged, and a renderer's discs are polygons; rings lighten with their holes, so they may.
     """
-    usual = float(np.median(fits.departure[fits.ok])) if fits.ok.any() else 0.0
+    usual = median_of(fits.departure[fits.ok]) if fits.ok.any() else 0.0
     farthest = limits.departure_factor * usual + limits.departure_share * spots.radius
     pale = paleness(fits.board, fits.dot, limits) > limits.max_paleness_share
     rough: Mask = (fits.departure > farthest) | (pale & ~ring)
@@ -98,7 +103,7 @@ def _is_burnt_out(fits: EdgeFits, limits: QualitySettings) -> bool:
     """
     if not fits.ok.any():
         return False
-    burnt, profile = np.median(fits.burnt[fits.ok]), np.median(fits.profile[fits.ok])
+    burnt, profile = median_of(fits.burnt[fits.ok]), median_of(fits.profile[fits.ok])
     return bool(burnt > limits.burnt_share and profile > limits.burnt_profile_share)
 
 

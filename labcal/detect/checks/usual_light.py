@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float64
 
+from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.quality import QualitySettings
 
 
@@ -26,7 +27,7 @@ def misfits(
     settings : QualitySettings
     """
     known = np.isfinite(variance)
-    least = settings.min_variance_share * np.median(variance[known]) if known.any() else 0.0
+    least = settings.min_variance_share * median_of(variance[known]) if known.any() else 0.0
     least = np.maximum(least, (settings.min_noise_share * (light - dark)) ** 2)
     usual = np.maximum(_trend(light, variance, settings), least)
     deviations: np.ndarray = np.sqrt(variance / np.where(usual > 0.0, usual, 1.0))
@@ -57,12 +58,12 @@ def _trend(x: np.ndarray, y: np.ndarray, settings: QualitySettings) -> np.ndarra
     known = np.isfinite(x) & np.isfinite(y)
     if not known.any():
         return np.full(len(x), np.nan)
-    middle = float(np.median(x[known]))
+    middle = float(median_of(x[known]))
     lower, upper = known & (x <= middle), known & (x > middle)
-    flat = np.full(len(x), np.median(y[known]))
+    flat = np.full(len(x), median_of(y[known]))
     if known.sum() < settings.trend_min_dots or not upper.any():
         return flat
-    (x0, y0), (x1, y1) = ((np.median(x[half]), np.median(y[half])) for half in (lower, upper))
+    (x0, y0), (x1, y1) = ((median_of(x[half]), median_of(y[half])) for half in (lower, upper))
     if x1 - x0 < settings.trend_min_span_share * abs(x1):
         return flat
     return np.asarray(y0 + (y1 - y0) / (x1 - x0) * (x - x0))

@@ -39,25 +39,30 @@ def pixels_around(
     flat_least, flat_most = max(1.0 - flat, 0.0) ** 2, (1.0 + flat) ** 2
     box = max(bottom - top + 1, 0) * max(right - left + 1, 0)
     pixels = np.empty((3, box))
+    of_edge, of_flat = np.empty(right - left + 1, dtype=np.int64), np.empty(right - left + 1, dtype=np.int64)
     count, after = 0, box
     for y in range(top, bottom + 1):
         dy = y - state[1]
-        for x in range(left, right + 1):
-            dx = x - state[0]
+        for column in range(right - left + 1):
+            dx = left + column - state[0]
             u, v = a * dx + b * dy, b * dx + c * dy
             rho2 = u * u + v * v
-            if rho2 < least or rho2 > most:
+            gx, gy = a * u + b * v, b * u + c * v
+            # |distance| < width, without the roots of first order's (rho - 1) rho / |g|.
+            near = (sqrt(rho2) - 1.0) ** 2 * rho2 < width * width * (gx * gx + gy * gy)
+            used = (rho2 >= least) & (rho2 <= most)
+            edge = used & (edge_least < rho2) & (rho2 < edge_most) & near
+            of_edge[column] = edge
+            of_flat[column] = used & ~edge & (flat_least <= rho2) & (rho2 <= flat_most)
+        # A used pixel is written to both ends, and stays where it belongs: that takes no branch.
+        for column in range(right - left + 1):
+            if of_edge[column] + of_flat[column] == 0:
                 continue
-            if edge_least < rho2 < edge_most:
-                gx, gy = a * u + b * v, b * u + c * v
-                # |distance| < width, without the roots of first order's (rho - 1) rho / |g|.
-                if (sqrt(rho2) - 1.0) ** 2 * rho2 < width * width * (gx * gx + gy * gy):
-                    pixels[0, count], pixels[1, count], pixels[2, count] = x, y, grey[y, x]
-                    count += 1
-                    continue
-            if flat_least <= rho2 <= flat_most:
-                after -= 1
-                pixels[0, after], pixels[1, after], pixels[2, after] = x, y, grey[y, x]
+            x = left + column
+            pixels[0, count], pixels[1, count], pixels[2, count] = x, y, grey[y, x]
+            count += of_edge[column]
+            pixels[0, after - 1], pixels[1, after - 1], pixels[2, after - 1] = x, y, grey[y, x]
+            after -= of_flat[column]
     band = np.empty((3, count + box - after))
     band[:, :count], band[:, count:] = pixels[:, :count], pixels[:, after:]
     return band, count

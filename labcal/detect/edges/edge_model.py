@@ -13,6 +13,7 @@ from math import sqrt
 import numpy as np
 
 from labcal.detect.compiled import compiled
+from labcal.detect.row_products import add_own_products, copy_columns, filled_up
 
 PARAMETERS, STATE, SHADING = 14, 8, 6
 CHUNK = 192
@@ -47,17 +48,50 @@ def normal_equations(
     chunk, priors, system = work
     system[:] = 0.0
     total = edge.shape[1]
-    pixels = total + moments[0, 0] + moments[1, 0]
-    squares = _add_flat(state, shading, moments, system)
     planes = chunk.reshape(PLANES, CHUNK)
+    rows = planes[ROWS : ROWS + PARAMETERS + 2]  # the last for its place: they are taken in fours
     for first in range(0, total, CHUNK):
         count = min(CHUNK, total - first)
-        planes[:ROWS, :count] = edge[:, first : first + count]
+        copy_columns(edge, first, planes, (0, count))
         linearise(state, shading, chunk, count)
-        _add_products(planes, count, system)
-        for k in range(count):
-            squares += planes[RESIDUAL, k] * planes[RESIDUAL, k]
-    variance = max(squares, 0.0) / (pixels - PARAMETERS)  # nothing is left of a picture without noise
+        rows[:, count : filled_up(count)] = 0.0
+        add_own_products(rows, filled_up(count), system)
+    _add_the_rest(state, shading, (moments, total), expected, (priors, system))
+
+
+@compiled
+def equations_of(
+    state: np.ndarray,
+    shading: np.ndarray,
+    edge: tuple[np.ndarray, int],
+    moments: np.ndarray,
+    expected: tuple[float, float],
+    work: tuple[np.ndarray, np.ndarray],
+) -> None:
+    """Sum the normal equations as :func:`normal_equations` does from rows of the edge's derivatives.
+
+    The rows are those of a chunk from the derivatives on, (16, m), so many of them as pixels and then zeros.
+    """
+    rows, total = edge
+    work[1][:] = 0.0
+    add_own_products(rows, filled_up(total), work[1])
+    _add_the_rest(state, shading, (moments, total), expected, work)
+
+
+@compiled
+def _add_the_rest(
+    state: np.ndarray,
+    shading: np.ndarray,
+    pixels: tuple[np.ndarray, int],
+    expected: tuple[float, float],
+    work: tuple[np.ndarray, np.ndarray],
+) -> None:
+    """Add the flat pixels and the priors to the normal equations, which hold the edge's pixels."""
+    moments, total = pixels
+    priors, system = work
+    squares = system[PARAMETERS, PARAMETERS] + _add_flat(state, shading, moments, system)
+    count = total + moments[0, 0] + moments[1, 0]
+    variance = max(squares, 0.0) / (count - PARAMETERS)  # nothing is left of a picture without noise
     _write_priors(state, shading, sqrt(variance), expected, priors)
     for number in range(PRIORS):
         row = priors[number]
@@ -121,39 +155,6 @@ def linearise(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count: 
         chunk[15 * CHUNK + k], chunk[16 * CHUNK + k] = inside * u, inside * v
         chunk[17 * CHUNK + k] = chunk[2 * CHUNK + k] - outside * board - inside * dot
         chunk[18 * CHUNK + k], chunk[19 * CHUNK + k] = t, along
-
-
-@compiled
-def _add_products(planes: np.ndarray, count: int, system: np.ndarray) -> None:
-    """Add the scalar products of a chunk's derivatives, and with the residuals, to `system`, some too many.
-
-    Eight at a time, so that loads are shared and no sum waits for the last.
-    """
-    for i in range(0, PARAMETERS + 1, 2):
-        left, below = planes[ROWS + i], planes[ROWS + i + 1]
-        for j in range(0, min(i + 2, PARAMETERS), 4):
-            first = ROWS + j
-            p, q, r, s = planes[first], planes[first + 1], planes[first + 2], planes[first + 3]
-            left_p, left_q, left_r, left_s = 0.0, 0.0, 0.0, 0.0
-            below_p, below_q, below_r, below_s = 0.0, 0.0, 0.0, 0.0
-            for k in range(count):
-                value, other = left[k], below[k]
-                left_p += value * p[k]
-                left_q += value * q[k]
-                left_r += value * r[k]
-                left_s += value * s[k]
-                below_p += other * p[k]
-                below_q += other * q[k]
-                below_r += other * r[k]
-                below_s += other * s[k]
-            system[i, j] += left_p
-            system[i, j + 1] += left_q
-            system[i, j + 2] += left_r
-            system[i, j + 3] += left_s
-            system[i + 1, j] += below_p
-            system[i + 1, j + 1] += below_q
-            system[i + 1, j + 2] += below_r
-            system[i + 1, j + 3] += below_s
 
 
 @compiled

@@ -36,6 +36,7 @@ from labcal.detect.edges.residuals import (
     residual_statistics,
     slope_difference,
 )
+from labcal.detect.row_products import copy_columns
 
 _DETERMINED = 3
 """Column, in the row below the system, of the number of parameters that the pixels determine."""
@@ -240,10 +241,10 @@ def _residuals(
     found = np.empty((5, pixels.shape[1]))
     for first in range(0, total, CHUNK):
         count = min(CHUNK, total - first)
-        planes[:ROWS, :count] = pixels[:, first : first + count]
+        copy_columns(pixels, first, planes, (0, count))
         linearise(state, shading, chunk, count)
-        found[:3, first : first + count] = planes[RESIDUAL : ALONG + 1, :count]
-        found[3:, first : first + count] = planes[ROWS : ROWS + 2, :count]
+        copy_columns(planes[RESIDUAL : ALONG + 1], 0, found, (first, count))
+        copy_columns(planes[ROWS : ROWS + 2], 0, found[3:], (first, count))
     for k in range(total, pixels.shape[1]):
         u, v = flattened(state, pixels[0, k], pixels[1, k])
         inside = u * u + v * v < 1.0

@@ -4,13 +4,13 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Int
 
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 from labcal.detect.edges.band import pixels_around, without_clutter
 from labcal.detect.edges.edge_limits import EdgeLimits
 from labcal.detect.edges.edge_model import (
-    ALONG,
     BLURS_AWAY,
     CHUNK,
     FAR,
@@ -23,13 +23,17 @@ from labcal.detect.edges.edge_model import (
     SHADING,
     STATE,
     TINY,
+    equations_of,
     flat_moments,
     flattened,
     linearise,
-    normal_equations,
 )
+from labcal.detect.edges.waves import wave_functions
+from labcal.detect.row_products import HIGH, LANES, WIDE, add_products, add_tile, copy_columns, filled_up
 
 _SINGULAR = 1e-12
+_SLOPES = HIGH * -(-(PARAMETERS + 1) // HIGH)
+"""Rows of derivatives, of residuals, and of zeros so that they are even in number."""
 
 
 class Harmonics(NamedTuple):
@@ -39,6 +43,11 @@ class Harmonics(NamedTuple):
     stride: int
     terms: int
 
+    @property
+    def numbers(self) -> Int[np.ndarray, " k"]:
+        """Numbers of waves around the outline."""
+        return self.first + self.stride * np.arange(self.terms)
+
 
 @compiled
 def harmonic_sums(
@@ -46,7 +55,7 @@ def harmonic_sums(
     table: np.ndarray,
     weights: np.ndarray,
     picture: tuple[np.ndarray, float],
-    harmonics: Harmonics,
+    numbers: np.ndarray,
     limits: EdgeLimits,
 ) -> np.ndarray:
     """Return sums of each dot's residuals by harmonic, and the power that white noise would have, (n, k, 3).
@@ -65,7 +74,8 @@ def harmonic_sums(
         Weights of the fit's parameters in the centre that is stated.
     picture : (ndarray, float)
         The holes of rings, shape (n,), and how far no other dot is met; radii.
-    harmonics : Harmonics
+    numbers : ndarray of int, shape (k,)
+        Of the harmonics, increasing.
     limits : EdgeLimits
 
     Returns
@@ -74,129 +84,115 @@ def harmonic_sums(
         0 where a fit cannot be repeated.
     """
     hole, reach = picture
-    sums = np.zeros((len(table), harmonics.terms, 3))
+    sums = np.zeros((len(table), len(numbers), 3))
     system, moments = np.empty((PARAMETERS + 2, PARAMETERS + 2)), np.empty((2, MOMENTS))
     work = np.empty(PLANES * CHUNK), np.empty((PRIORS, PARAMETERS + 1)), system
     expected = limits.prior_shading_share, limits.prior_third_harmonic_per_px
+    tests_count = WIDE * -(-2 * len(numbers) // WIDE)
+    spaces = np.empty(0), np.empty(0)
+    room = 0  # for so many pixels; memory that is allocated dot by dot comes page by page
     for number in range(len(table)):
         state, shading = table[number, :STATE], table[number, STATE : STATE + SHADING]
         band = pixels_around(grey, state, (hole[number], reach), limits)
-        slopes, found = _slopes(state, shading, band, work[0])
+        if band[0].shape[1] > room:
+            room = 2 * band[0].shape[1]
+            spaces = np.empty(_SLOPES * (room + 2 * LANES)), np.empty(tests_count * (room + 2 * LANES))
+        slopes, found = _slopes(state, shading, band, work[0], spaces[0])
         step = abs(shading[0] - shading[3])
         clean = without_clutter(band, found, step, limits)
         if clean[0].shape[1] < band[0].shape[1]:
             band = clean
-            slopes, found = _slopes(state, shading, band, work[0])
+            slopes, found = _slopes(state, shading, band, work[0], spaces[0])
         pixels, count = band
         flat_moments(state, shading, pixels[:, count:], moments)
-        normal_equations(state, shading, pixels[:, :count], moments, expected, work)
+        equations_of(state, shading, (slopes, count), moments, expected, work[1:])
         if not factorise(system, PARAMETERS, _SINGULAR):
             continue
         wanted = weights[number].copy()
         for axis in range(2):
             solve(system, wanted[axis])
-        tests = _test_functions(state, pixels, _combined(wanted, slopes), harmonics)
-        _write_sums(tests, (slopes, found[0]), (work[1], system), sums[number])
+        tests = wave_functions(state, band, _combined(wanted, slopes), numbers, spaces[1])
+        products = np.zeros((_SLOPES, len(tests)))
+        edge = filled_up(count)
+        add_products(slopes, tests, (0, edge), products)
+        # Flat pixels change with the shading alone, whose rows come last.
+        add_products(slopes[STATE:], tests, (edge, slopes.shape[1]), products[STATE:])
+        squares = np.zeros((HIGH, WIDE))
+        add_tile(tests[:HIGH], tests[:WIDE], (0, tests.shape[1]), squares)
+        own = squares[0, 0] + squares[1, 1]  # the same for all harmonics
+        products /= sqrt(max(own, TINY))
+        _write_sums(products, min(own / TINY, 1.0), (work[1], system), sums[number])
     return sums
 
 
 @compiled
 def _slopes(
-    state: np.ndarray, shading: np.ndarray, band: tuple[np.ndarray, int], chunk: np.ndarray
+    state: np.ndarray,
+    shading: np.ndarray,
+    band: tuple[np.ndarray, int],
+    chunk: np.ndarray,
+    space: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return derivatives of the pixels by the parameters, (14, n), and residual and blurs away, (3, n)."""
+    """Return rows of the pixels' derivatives by the parameters and of residuals; residual and blurs away.
+
+    The rows, shape (_SLOPES, m) in `space`, are filled up behind the edge's pixels and behind the flat ones;
+    the second array, shape (2, n), is not.
+    """
     planes = chunk.reshape(PLANES, CHUNK)
     pixels, total = band
-    slopes, found = np.zeros((PARAMETERS, pixels.shape[1])), np.empty((3, pixels.shape[1]))
+    shift = filled_up(total) - total
+    width = total + shift + filled_up(pixels.shape[1] - total)
+    slopes = space[: _SLOPES * width].reshape(_SLOPES, width)
+    slopes[:, total:] = 0.0
+    slopes[PARAMETERS + 1 :] = 0.0
+    found = np.empty((2, pixels.shape[1]))
     for first in range(0, total, CHUNK):
         count = min(CHUNK, total - first)
-        planes[:ROWS, :count] = pixels[:, first : first + count]
+        copy_columns(pixels, first, planes, (0, count))
         linearise(state, shading, chunk, count)
-        slopes[:, first : first + count] = planes[ROWS : ROWS + PARAMETERS, :count]
-        found[:, first : first + count] = planes[RESIDUAL : ALONG + 1, :count]
+        copy_columns(planes[ROWS : RESIDUAL + 1], 0, slopes, (first, count))
+        copy_columns(planes[RESIDUAL : BLURS_AWAY + 1], 0, found, (first, count))
     for k in range(total, pixels.shape[1]):
         u, v = flattened(state, pixels[0, k], pixels[1, k])
         inside = u * u + v * v < 1.0
-        side = 3 if inside else 0
-        slopes[STATE + side, k], slopes[STATE + side + 1, k], slopes[STATE + side + 2, k] = 1.0, u, v
+        side, at = 3 if inside else 0, k + shift
+        slopes[STATE + side, at], slopes[STATE + side + 1, at], slopes[STATE + side + 2, at] = 1.0, u, v
         found[0, k] = pixels[2, k] - shading[side] - shading[side + 1] * u - shading[side + 2] * v
-        found[BLURS_AWAY - RESIDUAL, k] = -FAR if inside else FAR
+        found[1, k] = -FAR if inside else FAR
+        slopes[PARAMETERS, at] = found[0, k]
     return slopes, found
 
 
 @compiled
 def _combined(weights: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """Return the weights of the pixels in the centre, (2, n), from those of the parameters."""
+    """Return the weights of the pixels in the centre, (2, m), from those of the parameters."""
     combined = np.zeros((2, slopes.shape[1]))
-    for axis in range(2):
-        for i in range(PARAMETERS):
-            weight, slope = weights[axis, i], slopes[i]
-            for k in range(slopes.shape[1]):
-                combined[axis, k] += weight * slope[k]
+    first, second = combined[0], combined[1]
+    for i in range(PARAMETERS):
+        weight, other, slope = weights[0, i], weights[1, i], slopes[i]
+        for k in range(len(slope)):
+            first[k] += weight * slope[k]
+            second[k] += other * slope[k]
     return combined
 
 
 @compiled
-def _test_functions(
-    state: np.ndarray, pixels: np.ndarray, weights: np.ndarray, harmonics: Harmonics
-) -> np.ndarray:
-    """Return the profile of the centre's weights times cosine and sine of each harmonic, (2 k, n)."""
-    tests, total = np.empty((2 * harmonics.terms, pixels.shape[1])), 0.0
-    for k in range(pixels.shape[1]):
-        u, v = flattened(state, pixels[0, k], pixels[1, k])
-        share = 1.0 / sqrt(u * u + v * v + TINY)
-        cosine, sine = u * share, v * share
-        wu = state[2] * weights[0, k] + state[3] * weights[1, k]
-        wv = state[3] * weights[0, k] + state[4] * weights[1, k]
-        profile = wu * cosine + wv * sine
-        total += profile * profile
-        turn, stride, wave = complex(cosine, sine), complex(1.0, 0.0), complex(profile, 0.0)
-        for _ in range(harmonics.first):
-            wave *= turn
-        for _ in range(harmonics.stride):
-            stride *= turn
-        for j in range(harmonics.terms):
-            tests[2 * j, k], tests[2 * j + 1, k] = wave.real, wave.imag
-            wave *= stride
-    return tests / sqrt(max(total, TINY))
-
-
-@compiled
 def _write_sums(
-    tests: np.ndarray,
-    band: tuple[np.ndarray, np.ndarray],
-    fit: tuple[np.ndarray, np.ndarray],
-    sums: np.ndarray,
+    products: np.ndarray, own: float, fit: tuple[np.ndarray, np.ndarray], sums: np.ndarray
 ) -> None:
-    """Write one dot's sums.
+    """Write one dot's sums, from the products of derivatives and residuals with test functions.
 
-    `band` holds derivatives and residuals, `fit` the priors' rows and the factorised system. A fit takes from
-    a test function `t` what it can follow: of white noise ``t't - t'G inv(A) G't - |P inv(A) G't|^2`` is
-    left, for derivatives G, priors P and A = G'G + P'P.
+    `own` is the sum of the squares of a harmonic's test functions, `fit` holds the priors' rows and the
+    factorised system. A fit takes from a test function `t` what it can follow: of white noise
+    ``t't - t'G inv(A) G't - |P inv(A) G't|^2`` is left, for derivatives G, priors P and A = G'G + P'P.
     """
-    slopes, residual = band
     priors, system = fit
-    both = np.empty((2, PARAMETERS))
     for harmonic in range(len(sums)):
-        cosine, sine = tests[2 * harmonic], tests[2 * harmonic + 1]
-        # Several sums at a time, so that none waits for the last.
-        seen_c, seen_s, own = 0.0, 0.0, 0.0
-        for k in range(len(residual)):
-            seen_c += cosine[k] * residual[k]
-            seen_s += sine[k] * residual[k]
-            own += cosine[k] * cosine[k] + sine[k] * sine[k]
-        for i in range(0, PARAMETERS, 2):
-            p, q = slopes[i], slopes[i + 1]
-            cosine_p, cosine_q, sine_p, sine_q = 0.0, 0.0, 0.0, 0.0
-            for k in range(len(residual)):
-                cosine_p += cosine[k] * p[k]
-                cosine_q += cosine[k] * q[k]
-                sine_p += sine[k] * p[k]
-                sine_q += sine[k] * q[k]
-            both[0, i], both[0, i + 1], both[1, i], both[1, i + 1] = cosine_p, cosine_q, sine_p, sine_q
-        for followed in both:
-            own -= _followed(followed, priors, system)
-        sums[harmonic, 0], sums[harmonic, 1], sums[harmonic, 2] = seen_c, seen_s, max(own, 0.0)
+        left = own
+        for test in range(2 * harmonic, 2 * harmonic + 2):
+            left -= _followed(products[:PARAMETERS, test].copy(), priors, system)
+            sums[harmonic, test - 2 * harmonic] = products[PARAMETERS, test]
+        sums[harmonic, 2] = max(left, 0.0)
 
 
 @compiled

@@ -3,6 +3,7 @@
 import numpy as np
 
 from labcal.detect.edges.residuals import LAGS, REACH
+from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.edge import EdgeSettings
 
 _SHADINGS = 4
@@ -44,5 +45,5 @@ def noise_factor(sums: np.ndarray, settings: EdgeSettings, shadings: float = _SH
     # Row 0 holds every pair twice.
     variance = (share**2 / pairs * np.where(times > 1.0, 1.0, 2.0)).sum(axis=1)
     chance = _OF_A_MEDIAN * np.sqrt(variance.mean() / len(sums))
-    typical = float(np.median(excess))
+    typical = median_of(excess)
     return 1.0 + typical if typical > settings.noise_chance_sigma * chance else 1.0

@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.detect.edges.harmonics import Harmonics
+from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.edge import EdgeSettings
 
 _NEIGHBOURS = 2
@@ -59,7 +60,7 @@ def noise_by_direction(
     seen, sums = seen[white > 0.0] / white[white > 0.0], sums[white > 0.0]
     if len(seen) == 0 or not (seen > 0.0).any():
         return _ALIKE
-    sums = sums[seen <= settings.noise_outlier_factor * np.median(seen)]
+    sums = sums[seen <= settings.noise_outlier_factor * median_of(seen)]
     power = (sums**2).sum(axis=(0, 2))
     scale = np.sqrt(power[:-1] * power[1:])
     if not (scale > 0.0).all():

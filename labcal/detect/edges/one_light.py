@@ -8,6 +8,7 @@ from jaxtyping import Float64
 from labcal.arrays import PixelCovariances, Pixels
 from labcal.detect.edges.edge_model import PARAMETERS, STATE, TINY
 from labcal.detect.edges.residuals import COVARIANCE, SLOPE_DIFFERENCE, SLOPE_DIFFERENCE_COVARIANCE
+from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.geometry.two_by_two import inverses
 
@@ -52,8 +53,8 @@ class OneLight:
         known = np.isfinite(off[:, 0])
         if not known.any():
             return cls(np.zeros((len(table), 2, 2)), 0.0)
-        expected = np.median(np.diagonal(noise[known], axis1=1, axis2=2))
-        seen = np.median(off[known] ** 2) / _MEDIAN_SQUARE - expected
+        expected = median_of(np.diagonal(noise[known], axis1=1, axis2=2))
+        seen = median_of(off[known] ** 2) / _MEDIAN_SQUARE - expected
         count = 2 * int(known.sum())
         usual = settings.shared_light_count * settings.shared_light_share**2
         scatter = (count * max(seen, 0.0) + usual) / (count + settings.shared_light_count)

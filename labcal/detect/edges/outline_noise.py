@@ -8,14 +8,14 @@ from jaxtyping import Float64
 
 from labcal.detect.edges.edge_limits import EdgeLimits
 from labcal.detect.edges.edge_model import STATE
+from labcal.detect.edges.gamma_regression import gamma_regression
 from labcal.detect.edges.harmonics import Harmonics, harmonic_sums
 from labcal.detect.edges.noise_direction import neighbouring, noise_by_direction
 from labcal.detect.edges.residuals import VARIANCE
 from labcal.detect.grey import GreyPicture
+from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.edge import EdgeSettings
 
-_ROUNDS = 20
-"""Of the regression; it settles in a few."""
 _LEAST = 1e-12
 """Of a dot's white noise that a harmonic has left, below which it says nothing."""
 
@@ -57,35 +57,21 @@ def outline_noise(
     if not some.any():
         return OutlineNoise(flat, np.eye(2))
     table, weights, picture = table[some], weights[some], (picture[0][some], picture[1])
-    radius = float(np.median(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2)))
+    radius = median_of(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2))
     harmonics = chosen_harmonics(radius, settings)
-    fits = table, weights, picture
-    sums = _in_noise(grey, fits, harmonics, settings)
+    nearest = neighbouring(harmonics)
+    numbers = np.union1d(harmonics.numbers, nearest.numbers)
+    sums = harmonic_sums(grey, table, weights, picture, numbers, settings.limits(EdgeLimits))
+    sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
     step = (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE])
-    powers = own_powers(sums, step)
-    number = harmonics.first + harmonics.stride * np.arange(harmonics.terms)
-    ratio, error = long_wave_ratio(powers, 2.0 * pi * radius / number, settings)
+    powers = own_powers(sums[:, np.isin(numbers, harmonics.numbers)], step)
+    ratio, error = long_wave_ratio(powers, 2.0 * pi * radius / harmonics.numbers, settings)
     factor = beside_flat_parts(ratio, error, flat, settings)
     if factor == 1.0:
         return OutlineNoise(factor, np.eye(2))
-    nearest = neighbouring(harmonics)
-    if nearest != harmonics:
-        sums = _in_noise(grey, fits, nearest, settings)
+    sums = sums[:, np.isin(numbers, nearest.numbers)]
     kept = without_shared_shape(sums[..., :2], step)
     return OutlineNoise(factor, noise_by_direction(kept, sums[..., 2], nearest, settings))
-
-
-def _in_noise(
-    grey: GreyPicture,
-    fits: tuple[np.ndarray, np.ndarray, tuple[np.ndarray, float]],
-    harmonics: Harmonics,
-    settings: EdgeSettings,
-) -> Float64[np.ndarray, "n k 3"]:
-    """Return the sums of :func:`~labcal.detect.edges.harmonics.harmonic_sums` over the dots' noise."""
-    table, weights, picture = fits
-    sums = harmonic_sums(grey, table, weights, picture, harmonics, settings.limits(EdgeLimits))
-    sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
-    return np.asarray(sums)
 
 
 def beside_flat_parts(ratio: float, error: float, flat: float, settings: EdgeSettings) -> float:
@@ -216,13 +202,12 @@ def smooth_wave_ratio(
         return float("nan"), inf
     ratio, weight = usual
     square = 1.0 / wavelengths**2
-    X = np.stack([np.ones_like(square), square], axis=1)
     if len(ratio) > 1:
-        (_, slope), covariance = _gamma_regression(X, ratio, weight)
-        if abs(slope) > settings.noise_chance_sigma * sqrt(covariance[1, 1]):
+        _, slope, level_variance, slope_variance = gamma_regression(square, ratio, weight)
+        if abs(slope) > settings.noise_chance_sigma * sqrt(slope_variance):
             slope = float(np.clip(slope, -steepest_slope(settings), steepest_slope(settings)))
             level = float(np.average(ratio * np.exp(-slope * square), weights=weight))
-            return level, sqrt(covariance[0, 0])
+            return level, sqrt(level_variance)
     return float(np.average(ratio, weights=weight)), 1.0 / sqrt(float(weight.sum()))
 
 
@@ -234,7 +219,7 @@ def _usual_powers(
     if len(powers) == 0:
         return None
     each = powers[..., 0].sum(axis=1) / powers[..., 1].sum(axis=1)
-    powers = powers[each <= settings.noise_outlier_factor * np.median(each)]
+    powers = powers[each <= settings.noise_outlier_factor * median_of(each)]
     seen, weight = powers.sum(axis=0).T
     if not (seen > 0.0).all() or not (weight > _LEAST).all():
         return None
@@ -254,31 +239,16 @@ def _at_long_waves(
 ) -> tuple[float, float]:
     """Return the ratio at the wave number 0 and the error of its logarithm, from those at squared numbers."""
     steepest = steepest_slope(settings)
-    X = np.stack([np.ones_like(square), square], axis=1)
     first, slope = len(ratio) - 1, -steepest if len(ratio) > 1 else 0.0  # if all others are the print's
     for longest in range(len(ratio) - 1):
         some = slice(longest, None)
-        (level, steep), covariance = _gamma_regression(X[some], ratio[some], weight[some])
+        level, steep, level_variance, slope_variance = gamma_regression(
+            square[some], ratio[some], weight[some]
+        )
         if abs(steep) <= steepest:
-            return exp(level), sqrt(covariance[0, 0])
-        if steep > -steepest - settings.noise_chance_sigma * sqrt(covariance[1, 1]):
+            return exp(level), sqrt(level_variance)
+        if steep > -steepest - settings.noise_chance_sigma * sqrt(slope_variance):
             first, slope = longest, float(np.clip(steep, -steepest, steepest))
             break
     levels, weight = ratio[first:] * np.exp(-slope * square[first:]), weight[first:]
     return float(np.average(levels, weights=weight)), 1.0 / sqrt(float(weight.sum()))
-
-
-def _gamma_regression(
-    X: Float64[np.ndarray, "k p"], ratio: Float64[np.ndarray, " k"], weight: Float64[np.ndarray, " k"]
-) -> tuple[Float64[np.ndarray, " p"], Float64[np.ndarray, "p p"]]:
-    """Return the coefficients of the ratio's logarithm and their covariance, by Fisher's scoring.
-
-    A ratio has two degrees of freedom a dot: its relative variance is one over its weight.
-    """
-    information = (X * weight[:, None]).T @ X
-    coefficients = np.linalg.solve(information, X.T @ (weight * np.log(ratio)))
-    for _ in range(_ROUNDS):
-        excess = ratio / np.exp(X @ coefficients) - 1.0
-        step = np.linalg.solve(information, X.T @ (weight * excess))
-        coefficients = coefficients + step / max(1.0, float(np.abs(X @ step).max()))
-    return coefficients, np.linalg.inv(information)

@@ -5,6 +5,7 @@ import numpy as np
 from labcal.arrays import Mask
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.medians import medians_along
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.grid import GridSettings
@@ -54,7 +55,7 @@ def shape_deviations(
     known = np.isfinite(found[:, 0, 0])
     off = np.zeros(len(spots))
     if known.any():
-        usual = np.median(found[known], axis=0)
+        usual = medians_along(found[known])
         axes = np.sqrt(np.abs(eigenvalues(inverses(usual) @ found[known])))
         minor = np.sqrt(eigenvalues(outlines.shape[spots])[known, 0])
         off[known] = np.abs(np.log(axes)).max(axis=1) - settings.shape_px / minor

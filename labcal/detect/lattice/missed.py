@@ -75,6 +75,8 @@ def _consistent(lattice: Lattice, outlines: Outlines, first: int, settings: Grid
     while True:
         spots = lattice.spots
         added = [node for node, spot in spots.items() if spot >= first]
+        if not added:
+            return lattice
         predictions = Predictor(lattice, outlines, settings).predict(added)
         residuals = {
             node: found.residual(outlines.centre[spots[node]]) for node, found in predictions.items()

@@ -9,6 +9,7 @@ from labcal.arrays import PixelCovariances
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.neighbourhood import PredictionLimits, predict_all, residual_in_steps
 from labcal.detect.lattice.rough_undistortion import RoughUndistortion
+from labcal.detect.medians import medians_along
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.grid import GridSettings
 from labcal.geometry.two_by_two import inverses
@@ -68,7 +69,7 @@ class Predictor:
         """The usual shape of a dot in units of the grid's steps."""
         shapes = self.shapes_in_steps(self.outlines)
         known = np.isfinite(shapes[:, 0, 0])
-        usual: np.ndarray = np.median(shapes[known], axis=0) if known.any() else np.zeros((2, 2))
+        usual: np.ndarray = medians_along(shapes[known]) if known.any() else np.zeros((2, 2))
         return usual
 
     def shapes_in_steps(self, outlines: Outlines) -> PixelCovariances:

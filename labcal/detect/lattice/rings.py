@@ -1,11 +1,13 @@
 """Ids of a grid's nodes by the three rings."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines, geometric_mean, matrix_root
 from labcal.detect.stage_settings.grid import GridSettings
 from labcal.geometry.two_by_two import inverses
@@ -29,15 +31,21 @@ class Numbering:
 
     def index(self, node: Node) -> tuple[int, int]:
         """Return (col, row) of a node."""
+        (p, q, x), (r, s, y) = self._rows
+        return p * node[0] + q * node[1] + x, r * node[0] + s * node[1] + y
+
+    @cached_property
+    def _rows(self) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+        """The turn with the shift beside it, for plain arithmetic: nodes are many."""
         (p, q), (r, s) = self.turn.tolist()
-        return p * node[0] + q * node[1] + int(self.shift[0]), r * node[0] + s * node[1] + int(self.shift[1])
+        return (p, q, int(self.shift[0])), (r, s, int(self.shift[1]))
 
 
 def ring_nodes(lattice: Lattice, outlines: Outlines, settings: GridSettings) -> set[Node]:
     """Return the nodes whose dot is bright in the middle, less so in a blurred picture."""
     hole = outlines.hole[list(lattice.spots.values())]
-    usual = float(np.median(hole))
-    scatter = _SIGMA * float(np.median(np.abs(hole - usual)))
+    usual = median_of(hole)
+    scatter = _SIGMA * median_of(np.abs(hole - usual))
     stands_out = usual + settings.ring_outlier_sigma * scatter
     limit = float(np.clip(stands_out, settings.faint_hole_share, settings.ring_hole_share))
     return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > limit}
@@ -136,7 +144,7 @@ def pitches_agree(
         between = geometric_mean(flatten[here], flatten[there])
         flat = np.einsum("nij,nj->ni", between, outlines.centre[there] - outlines.centre[here])
         lengths.append(np.linalg.norm(flat, axis=1))
-    ratio = np.log(np.median(lengths[0]) / np.median(lengths[1]))
+    ratio = np.log(median_of(lengths[0]) / median_of(lengths[1]))
     if turn[0, 0] == 0:
         ratio = -ratio
     return bool(abs(ratio - np.log(target.pitch_x_mm / target.pitch_y_mm)) < tolerance)

@@ -1,0 +1,167 @@
+"""Scalar products of rows, four numbers at a time, in instructions that Numba does not choose by itself."""
+
+from collections.abc import Callable, Sequence
+from typing import cast
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.base import BaseContext
+from numba.core.typing.context import BaseContext as TypingContext
+from numba.core.typing.templates import Signature
+from numba.extending import intrinsic
+
+from labcal.detect.compiled import compiled
+
+LANES = 4
+"""Partial sums of a product. Rows are this long or a multiple of it: what is too much of them is 0."""
+HIGH, WIDE = 2, 4
+"""Rows on the left, and on the right, of which all pairs are multiplied at a time: loads are shared."""
+
+Code = Callable[[BaseContext, ir.IRBuilder, Signature, Sequence[ir.Value]], ir.Value]
+"""A function that writes instructions, and returns where their result is."""
+_DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
+_VECTOR = ir.VectorType(_DOUBLE, LANES)
+
+
+@compiled
+def add_products(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sums: np.ndarray) -> None:
+    """Add the scalar products of every row on the left with every row on the right to `sums`.
+
+    The sum over the places ``k``, ``k + 4``, ... is taken for each of four lanes, in this order, then the
+    first two and the last two are added, then both: the same input gives the same bytes.
+
+    Parameters
+    ----------
+    left : ndarray, shape (m, n)
+        m is a multiple of 2, n of 4.
+    right : ndarray, shape (p, n)
+        p is a multiple of 4.
+    part : (int, int)
+        First column and the one after the last; their difference is a multiple of 4.
+    sums : ndarray, shape (m, p)
+    """
+    for i in range(0, left.shape[0], HIGH):
+        for j in range(0, right.shape[0], WIDE):
+            add_tile(left[i : i + HIGH], right[j : j + WIDE], part, sums[i : i + HIGH, j : j + WIDE])
+
+
+@compiled
+def add_own_products(rows: np.ndarray, width: int, sums: np.ndarray) -> None:
+    """Add the scalar products of rows with one another to the lower triangle of `sums`, and some above it.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (m, n)
+        m is a multiple of 4.
+    width : int
+        So many columns count, a multiple of 4.
+    sums : ndarray, shape (m, m)
+    """
+    for i in range(0, rows.shape[0], HIGH):
+        for j in range(0, i + HIGH, WIDE):
+            add_tile(rows[i : i + HIGH], rows[j : j + WIDE], (0, width), sums[i : i + HIGH, j : j + WIDE])
+
+
+@compiled
+def filled_up(count: int) -> int:
+    """Return the length of rows of so many numbers that zeros fill up to a multiple of the lanes."""
+    return -(-count // LANES) * LANES
+
+
+@compiled
+def copy_columns(source: np.ndarray, at: int, target: np.ndarray, place: tuple[int, int]) -> None:
+    """Copy columns of every row of `source`, from the column `at` on, to the first rows of `target`.
+
+    `place` is the first column there and the number of columns. Assignment of slices looks for overlaps
+    first, which takes longer than copying some hundred numbers.
+    """
+    first, count = place
+    for i in range(source.shape[0]):
+        row, copy = source[i, at : at + count], target[i, first : first + count]
+        for k in range(count):
+            copy[k] = row[k]
+
+
+@compiled
+def add_tile(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sums: np.ndarray) -> None:
+    """Add the products of two rows with four rows to `sums`, shape (2, 4), see :func:`add_products`."""
+    tile = _TILE(left, right, part[0], part[1])
+    for i in range(HIGH):
+        for j in range(WIDE):
+            sums[i, j] += tile[WIDE * i + j]
+
+
+def _tile_code(
+    _context: TypingContext, left: types.Array, right: types.Array, first: types.Type, last: types.Type
+) -> tuple[Signature, Code]:
+    """Return the eight products of two rows with four rows, one row after the other."""
+    returned = types.UniTuple(types.float64, HIGH * WIDE)  # type: ignore[no-untyped-call]
+
+    def code(
+        context: BaseContext, builder: ir.IRBuilder, signature: Signature, arguments: Sequence[ir.Value]
+    ) -> ir.Value:
+        rows = []
+        for kind, value, count in zip(signature.args, arguments, (HIGH, WIDE), strict=False):
+            proxy = cgutils.create_struct_proxy(kind)  # type: ignore[no-untyped-call]
+            rows += [_row(builder, proxy(context, builder, value=value), number) for number in range(count)]
+        begin, end = (
+            context.cast(builder, value, kind, types.intp)  # type: ignore[no-untyped-call]
+            for kind, value in zip(signature.args[2:], arguments[2:], strict=True)
+        )
+        totals = [_all_lanes(builder, total) for total in _summed(builder, rows, (begin, end))]
+        return context.make_tuple(builder, returned, totals)  # type: ignore[no-untyped-call]
+
+    return returned(left, right, first, last), code
+
+
+_TILE = cast("Callable[[np.ndarray, np.ndarray, int, int], tuple[float, ...]]", intrinsic(_tile_code))
+
+
+def _row(builder: ir.IRBuilder, array: cgutils.ValueStructProxy, number: int) -> ir.Value:
+    """Return the address of a row of a two-dimensional array, whose rows are without gaps."""
+    stride = builder.extract_value(array.strides, 0)
+    start = builder.ptrtoint(array.data, _INDEX)
+    place = builder.add(start, builder.mul(stride, ir.Constant(_INDEX, number)))
+    return builder.inttoptr(place, _DOUBLE.as_pointer())
+
+
+def _summed(builder: ir.IRBuilder, rows: list[ir.Value], part: tuple[ir.Value, ir.Value]) -> list[ir.Value]:
+    """Return the lanes of the products of the first two rows with each of the others."""
+    before, loop, after = builder.block, builder.append_basic_block("sum"), builder.append_basic_block("done")
+    zero = ir.Constant(_VECTOR, [0.0] * LANES)
+    some = builder.icmp_signed("<", part[0], part[1])
+    builder.cbranch(some, loop, after)
+    with builder.goto_block(loop):
+        place = builder.phi(_INDEX)
+        place.add_incoming(part[0], before)
+        totals = [builder.phi(_VECTOR) for _ in range(HIGH * WIDE)]
+        values = []
+        for row in rows:
+            address = builder.bitcast(builder.gep(row, [place]), _VECTOR.as_pointer())
+            values.append(builder.load(address, align=8))
+        pairs = [(one, other) for one in values[:HIGH] for other in values[HIGH:]]
+        sums = [builder.fadd(total, builder.fmul(*pair)) for total, pair in zip(totals, pairs, strict=True)]
+        following = builder.add(place, ir.Constant(_INDEX, LANES))
+        place.add_incoming(following, loop)
+        for total, added in zip(totals, sums, strict=True):
+            total.add_incoming(zero, before)
+            total.add_incoming(added, loop)
+        builder.cbranch(builder.icmp_signed("<", following, part[1]), loop, after)
+    builder.position_at_end(after)
+    results = []
+    for added in sums:
+        result = builder.phi(_VECTOR)
+        result.add_incoming(zero, before)
+        result.add_incoming(added, loop)
+        results.append(result)
+    return results
+
+
+def _all_lanes(builder: ir.IRBuilder, vector: ir.Value) -> ir.Value:
+    """Return the sum of the lanes of a vector."""
+    lanes = [builder.extract_element(vector, ir.Constant(ir.IntType(32), lane)) for lane in range(LANES)]
+    while len(lanes) > 1:
+        lanes = [builder.fadd(*lanes[i : i + 2]) for i in range(0, len(lanes), 2)]
+    return lanes[0]
