@@ -54,13 +54,14 @@ class ShownTarget:
         return (f"the target '{self.printed.name}' is read from the code in {self.picture}", *self.notes)
 
 
-def named_target(given: AnyTarget | PrintedTarget | AnyPath) -> ShownTarget:
+def named_target(given: AnyTarget | PrintedTarget | AnyPath | Sequence[AnyTarget | AnyPath]) -> ShownTarget:
     """Return the target that is given, by itself or by name.
 
     Parameters
     ----------
     given : AnyTarget, PrintedTarget, path or str
-        Of a numbered print, the name of its target with the number: ``"rings-14x10#2"``.
+        Of a numbered print, the name of its target with the number: ``"rings-14x10#2"``. Several in a list
+        are boards side by side.
 
     Raises
     ------
