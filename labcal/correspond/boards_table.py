@@ -42,8 +42,8 @@ def on_target(table: Detections, target: Target) -> Detections:
     unknown = [name for name in table.boards if name not in target.names]
     if unknown:
         raise InputError(
-            f"The table holds dots of the board '{unknown[0]}', but '{target.name}' has {listed(target.names)}. "
-            "Name the boards by which the dots were found."
+            f"The table holds dots of the board '{unknown[0]}', but '{target.name}' has "
+            f"{listed(target.names)}. Name the boards by which the dots were found."
         )
     index = np.zeros_like(table.index)
     for board, span in zip(target.targets, target.spans, strict=True):
@@ -82,8 +82,8 @@ def _of_one(table: Detections, target: Target) -> Detections:
         return table
     if target.name not in table.boards:
         raise InputError(
-            f"The table holds dots of the boards {listed(table.boards)}, and none of '{target.name}'. Name one "
-            "of these boards, or all of them."
+            f"The table holds dots of the boards {listed(table.boards)}, and none of '{target.name}'. Name "
+            "one of these boards, or all of them."
         )
     mine = table.where((table.board == target.name) | (table.board == ""))
     return replace(mine, board=None)

@@ -11,6 +11,7 @@ from labcal.detect.dots import OwnPlaces, PictureDots
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.hidden_board import without_board
+from labcal.detect.hidden_markers import without_other_markers
 from labcal.detect.settings import DetectSettings
 from labcal.targets.april_grid import AprilGrid
 from labcal.targets.board_set import BoardSet
@@ -67,7 +68,9 @@ def _each(grey: GreyPicture, boards: BoardSet, settings: DetectSettings) -> list
     numbered = [k for k, board in enumerate(boards.targets) if _has_codes(board)]
     plain = [k for k in range(len(boards.targets)) if k not in numbered]
     for number in numbered:
-        found[number] = detect_dots(grey, boards.targets[number], settings)
+        charuco = isinstance(boards.targets[number], CharucoBoard)
+        shown = without_other_markers(grey, boards, number, settings) if charuco else grey
+        found[number] = detect_dots(shown, boards.targets[number], settings)
     left, rest = plain, grey
     for number in numbered if plain else []:
         rest = without_board(rest, found[number], boards.targets[number])

@@ -120,6 +120,17 @@ class PictureDots:
             flag=(DotFlag.NO_ID,) * n,
         )
 
+    def of_board(self, name: str) -> "PictureDots":
+        """Return the dots of one of several boards with their own (col, row)."""
+        if self.own is None:
+            return self
+        mine = np.flatnonzero(self.has_id & (self.own.board == name))
+        return PictureDots(
+            self.size, self.polarity, self.refusal, self.own.index[mine], self.has_id[mine],
+            self.position[mine], self.covariance[mine], self.misfit[mine],
+            tuple(self.flag[i] for i in mine), self.seen_at[mine], self.outline[mine],
+        )  # fmt: skip
+
     def unusable(self) -> "PictureDots":
         """Return the dots as they were found, but refused: hardly any fits, the others by chance."""
         ok = self.ok

@@ -64,7 +64,7 @@ class BoardPlace(BaseModel):
     T_set_board: tuple[_Row, _Row, _Row, _Row]
     """Rigid transform from the board's frame to that of the first board; mm."""
     sigma_rotation_rad: _Triple | None = None
-    """Standard deviations of its rotation about the first board's axes; left out where it is known exactly."""
+    """Standard deviations of its rotation about the first board's axes; left out where it is known."""
     sigma_mm: _Triple | None = None
     """Standard deviations of the place of the board's origin along the same axes; likewise."""
 
@@ -116,8 +116,8 @@ class BoardSet(BaseModel):
                 raise ValueError(f"targets: '{board.name}' is a set of boards; name the boards in it")  # noqa: TRY004
             if board.symmetric_indices(board.indices()[:1]):
                 raise ValueError(
-                    f"targets: '{board.name}' looks the same when turned; beside others each board needs rings, "
-                    "marks or codes that number it"
+                    f"targets: '{board.name}' looks the same when turned; beside others each board needs "
+                    "rings, marks or codes that number it"
                 )
         if self.count > MOST_DOTS:
             raise ValueError(f"targets: the boards have more than {MOST_DOTS} dots together")

@@ -38,8 +38,8 @@ def calibrate_boards(
     """
     if lens == AUTO:
         raise InputError(
-            f"`lens='{AUTO}'` is for one board. Name a lens for boards side by side ('labcal lens list' shows "
-            f"them), or let one board choose it first: `target='{boards.names[0]}'`."
+            f"`lens='{AUTO}'` is for one board. Name a lens for boards side by side ('labcal lens list' "
+            f"shows them), or let one board choose it first: `target='{boards.names[0]}'`."
         )
     refuse_freed(settings, boards)
     if boards.mounting is Mounting.RIGID:
@@ -55,8 +55,9 @@ def board_warnings(found: HandheldCalibration) -> list[str]:
     together, alone = found.rms_px, found.rms_alone_px
     if together < max(_TIMES * alone, alone + _LEAST_PX):
         return []
-    return [
-        f"in the rig the dots are off by {together:.2g} px (RMS), each board by itself only by {alone:.2g} px: "
-        "the boards moved relative to each other, or pictures of a view were not taken together. Boards that "
-        "move separately are described with 'mounting: separate'"
-    ]
+    words = (
+        f"in the rig the dots are off by {together:.2g} px (RMS), each board by itself only by {alone:.2g} "
+        "px: the boards moved relative to each other, or pictures of a view were not taken together. Boards "
+        "that move separately are described with 'mounting: separate'"
+    )
+    return [words]

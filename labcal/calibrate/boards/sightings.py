@@ -128,7 +128,7 @@ def _unlinked(placed: Placed, cameras: Sequence[str], boards: Sequence[str]) -> 
     lost = [f"camera '{name}'" for number, name in enumerate(cameras) if number not in placed.cameras]
     lost += [f"board '{name}'" for number, name in enumerate(boards) if number not in placed.boards]
     return (
-        f"The views do not link {listed(lost)} to camera '{cameras[0]}'. Take views in which a camera sees two "
-        "boards, or two cameras see the same board; or three or more in which each camera sees a board of its "
-        "own while the plate is turned about different axes."
+        f"The views do not link {listed(lost)} to camera '{cameras[0]}'. Take views in which a camera sees "
+        "two boards, or two cameras see the same board; or three or more in which each camera sees a board "
+        "of its own while the plate is turned about different axes."
     )

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _FEWEST_VIEWS = 3
 _LEAST_TURN = 0.1
-"""Sine of the angle between axes of rotation, and of a rotation itself, from which on they determine a pose."""
+"""Rotation about a second axis, rad, from which on rotations determine a pose."""
 _MOST_VIEWS = 60
 
 
