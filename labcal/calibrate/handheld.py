@@ -14,6 +14,7 @@ from labcal.calibrate.adjustment.state import Lenses
 from labcal.calibrate.agreeing_views import SingleCameras, of_agreeing_views
 from labcal.calibrate.agreement.causes import Calibrated, disagreement
 from labcal.calibrate.agreement.finding import ContradictionError
+from labcal.calibrate.assembled import assembled_rig, recorded_rig, refuse_far
 from labcal.calibrate.dot_decision import decision_at_once, judged
 from labcal.calibrate.dot_treatment import DotDecision, DotTreatment
 from labcal.calibrate.handheld_calibration import HandheldCalibration

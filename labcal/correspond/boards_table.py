@@ -57,7 +57,7 @@ def on_target(table: Detections, target: Target) -> Detections:
                 "the boards that the pictures show."
             )
         index[mine, 0] = np.where(inside, span.start + row * board.cols + col, 0)
-    found = replace(table, index=index, board=None)
+    found = replace(table, index=index, board=np.full(len(table), ""))
     if target.mounting is Mounting.SEPARATE:
         return by_board(found, table.board)
     return found
@@ -86,4 +86,4 @@ def _of_one(table: Detections, target: Target) -> Detections:
             "one of these boards, or all of them."
         )
     mine = table.where((table.board == target.name) | (table.board == ""))
-    return replace(mine, board=None)
+    return replace(mine, board=np.full(len(mine), ""))

@@ -43,7 +43,7 @@ def without_board(grey: GreyPicture, dots: PictureDots, board: PrintableTarget) 
     most = 4 * max(grey.shape)
     outline = np.clip(np.round(corners[:, :2] / corners[:, 2:]), -most, most).astype(np.int32)
     cv2.fillConvexPoly(inside, outline, 1)
-    inside = cv2.dilate(inside, np.ones((3, 3), dtype=np.uint8))
+    hidden = cv2.dilate(inside, np.ones((3, 3), dtype=np.uint8))
     around = cv2.dilate(inside, np.ones((_RIM_PX, _RIM_PX), dtype=np.uint8))
-    band = grey[(around > 0) & (inside == 0)]
-    return np.where(inside > 0, np.float32(np.median(band)), grey) if band.size else grey
+    band = grey[(around > 0) & (hidden == 0)]
+    return np.where(hidden > 0, np.float32(np.median(band)), grey) if band.size else grey

@@ -84,24 +84,25 @@ def plate_of(
     """
     lens, settings = how
     settings = replace(settings, dot_places=DotTreatment.DECLARED)
+    flat = boards.model_copy(update={"places": None})
     numbers = boards.board_number[usable.index[:, 0]]
     split = by_board(usable, np.array(boards.names)[numbers])
     of_split = _views_of(split, usable, numbers)
     full, reasons = in_full_pictures(split)
 
     def again(name: str, dots: Detections) -> SingleCalibration:
-        return calibrate_single(name, dots, boards, lens, settings)
+        return calibrate_single(name, dots, flat, lens, settings)
 
     alone: list[SingleCalibration] = []
     for name in cameras:
         mine = full.where(full.camera == name)
         one = SingleCameras([again(name, mine)], mine, ())
-        agreeing = of_agreeing_views(one, boards, again, free_dots=False)
+        agreeing = of_agreeing_views(one, flat, again, free_dots=False)
         alone, reasons = [*alone, *agreeing.cameras], (*reasons, *agreeing.left_out)
     entered = {(one.name, view) for one in alone for view in one.dots.views}
     pictures = zip(split.camera.tolist(), split.view.tolist(), strict=True)
     entering = usable.where(np.array([picture in entered for picture in pictures], dtype=bool))
-    seen = _sightings(alone, of_split, boards, entering.views)
+    seen = _sightings(alone, of_split, flat, entering.views)
     if boards.places is None:
         placed = placed_boards(seen, cameras, boards.names).boards
         on_plate = boards.placed(np.stack([placed[number] for number in range(len(boards.targets))]))
