@@ -7,6 +7,7 @@ import numpy as np
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.targets.board_set import BoardSet, Mounting
+from labcal.targets.catalogue import AnyTarget
 from labcal.targets.target import Target
 from labcal.wording import listed
 
@@ -61,6 +62,19 @@ def on_target(table: Detections, target: Target) -> Detections:
     if target.mounting is Mounting.SEPARATE:
         return by_board(found, table.board)
     return found
+
+
+def each_board(table: Detections, target: AnyTarget) -> tuple[Detections, AnyTarget]:
+    """Return dots and target for work that takes one board a view: of a set, each board is a view of its own.
+
+    Raises
+    ------
+    InputError
+        As of :func:`on_target`.
+    """
+    if isinstance(target, BoardSet):
+        target = target.model_copy(update={"mounting": Mounting.SEPARATE, "places": None})
+    return on_target(table, target), target
 
 
 def by_board(table: Detections, board: np.ndarray) -> Detections:

@@ -134,12 +134,7 @@ class Detections(PictureLines):
             One has no position, or is listed twice for a picture; or they are of several boards, of which
             :func:`~labcal.correspond.boards_table.on_target` makes dots of one target.
         """
-        if self.boards:
-            raise InputError(
-                f"The table holds dots of boards by name ({listed(self.boards)}). Name the boards where the "
-                "command takes several, as `target=['A', 'B']` of 'calibrate', or one of them; this work "
-                "takes the dots of one target only: keep the lines of one board, without the column 'board'."
-            )
+        self.require_one_board()
         usable = self.where(self.ok)
         lost = np.flatnonzero(~np.isfinite(usable.position).all(axis=1))
         if len(lost):
@@ -154,6 +149,21 @@ class Detections(PictureLines):
                 f"{usable.words(int(twice))} is listed twice. Keep one line for each dot of a picture."
             )
         return usable
+
+    def require_one_board(self) -> None:
+        """Raise where dots are of boards by name, whose columns and rows are no target's.
+
+        Raises
+        ------
+        InputError
+            They are; :func:`~labcal.correspond.boards_table.on_target` makes dots of one target of them.
+        """
+        if self.boards:
+            raise InputError(
+                f"The table holds dots of boards by name ({listed(self.boards)}), but this work takes those of "
+                "one target ('calibrate' and 'check' take several boards). Keep the lines of one board, "
+                "without the column 'board'."
+            )
 
     @classmethod
     def load(cls, path: AnyPath) -> "Detections":

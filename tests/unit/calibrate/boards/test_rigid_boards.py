@@ -88,7 +88,7 @@ def seen(poses: list[np.ndarray], sees: Sees, rng: np.random.Generator) -> Detec
                         board=np.full(n, one.name),
                     )
                 )
-    names = [column for column in parts[0].__dataclass_fields__]
+    names = list(parts[0].__dataclass_fields__)
     return Detections(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
