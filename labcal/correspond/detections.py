@@ -160,8 +160,8 @@ class Detections(PictureLines):
         """
         if self.boards:
             raise InputError(
-                f"The table holds dots of boards by name ({listed(self.boards)}), but this work takes those of "
-                "one target ('calibrate' and 'check' take several boards). Keep the lines of one board, "
+                f"The table holds dots of boards by name ({listed(self.boards)}), but this work takes those "
+                "of one target ('calibrate' and 'check' take several boards). Keep the lines of one board, "
                 "without the column 'board'."
             )
 

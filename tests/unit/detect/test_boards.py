@@ -1,8 +1,8 @@
 """Several boards in one picture: each found by its own ids or size, none taken for another."""
 
+import cv2
 import numpy as np
 import pytest
-from matplotlib.path import Path as Outline
 
 from labcal.bench.marks.drawn_picture import Exposure, drawn
 from labcal.correspond.gathering import gather
@@ -16,7 +16,9 @@ from labcal.targets.board_set import BoardSet
 from labcal.targets.shapes import printed_outlines
 from labcal.targets.target import PrintableTarget
 
-SIZE = (560, 300)
+SIZE = (420, 230)
+RASTER = 16
+"""Pixels a mm of the drawing of the print."""
 CHARUCO = {
     "kind": "charuco",
     "squares": (6, 5),
@@ -54,16 +56,16 @@ def picture(target: PrintableTarget, seed: int = 1) -> tuple[np.ndarray, Exposur
     H = np.array([[scale, 0, SIZE[0] / 2], [0, scale, SIZE[1] / 2], [0, 0, 1.0]]) @ aslant
     H = H @ np.array([[1.0, 0, -middle[0]], [0, 1.0, -middle[1]], [0, 0, 1.0]])
     exposure = Exposure(SIZE, H, 0.7, np.zeros(2), 0.01)
-    shapes = printed_outlines(target).to_polygons()
+    raster = np.zeros((int(RASTER * (y_max - y_min)), int(RASTER * (x_max - x_min))), dtype=np.uint8)
+    for shape in printed_outlines(target).to_polygons():
+        one = np.zeros_like(raster)
+        cv2.fillPoly(one, [np.round((shape - [x_min, y_min]) * RASTER * 16 - 8).astype(np.int32)], 1, shift=4)
+        raster ^= one
 
     def ink(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        places = np.stack([x.ravel(), y.ravel()], axis=-1)
-        inside = np.zeros(len(places), dtype=bool)
-        for shape in shapes:
-            low, high = shape.min(axis=0), shape.max(axis=0)
-            near = np.flatnonzero(((places >= low) & (places <= high)).all(axis=1))
-            inside[near] ^= Outline(shape).contains_points(places[near])
-        return inside.reshape(x.shape).astype(np.float64)
+        across, up = ((x - x_min) * RASTER - 0.5, (y - y_min) * RASTER - 0.5)
+        shade = cv2.remap(255 * raster, across.astype(np.float32), up.astype(np.float32), cv2.INTER_LINEAR)
+        return np.asarray(shade / 255.0)
 
     return drawn(exposure, ink, (), generator(seed, "boards")), exposure
 
