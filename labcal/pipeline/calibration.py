@@ -16,7 +16,7 @@ from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
 from labcal.targets.board_set import BoardSet
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.catalogue import AnyTarget, AnyTargets
 
 if TYPE_CHECKING:
     from labcal.calibrate.calibration import Calibration
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of it
-    source: Shoot | AnyTarget | AnyPath,
+    source: Shoot | AnyTargets,
     detections: Detections | AnyPath | None = None,
     lens: str | None = None,
     settings: "HandheldSettings | None" = None,
@@ -41,7 +41,8 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
     Parameters
     ----------
     source : Shoot, AnyTarget, path or str
-        A shoot or its folder, whose test views do not enter; or the target that the dots are of, or its name.
+        A shoot or its folder, whose test views do not enter; or the target that the dots are of, or its name;
+        several in a list are boards side by side.
     detections : Detections or path, optional
         Dots, or the table of them; those of the shoot are found in its pictures where left out.
     lens : str, optional

@@ -49,6 +49,8 @@ def _by_its_own_model(target: PrintableTarget) -> object:
 
 AnyTarget = PrintableTarget
 """A target of any registered kind."""
+AnyTargets = PrintableTarget | AnyPath | Sequence[PrintableTarget | AnyPath]
+"""A target by itself, by name or by path; several in a list are boards side by side."""
 DescribedTarget = Annotated[PrintableTarget, PlainValidator(_described), PlainSerializer(_by_its_own_model)]
 """The same as it stands in a file: a grid of dots has no `kind`, all others have."""
 
@@ -58,7 +60,7 @@ def target_names() -> list[str]:
     return description_names(FOLDER)
 
 
-def target_of(given: AnyTarget | AnyPath | Sequence[AnyTarget | AnyPath]) -> AnyTarget:
+def target_of(given: AnyTargets) -> AnyTarget:
     """Return the target that is given, by itself, by name or by the path of a YAML file.
 
     Several in a list or a tuple are boards side by side, fixed to one plate.
