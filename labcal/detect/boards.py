@@ -29,7 +29,7 @@ _CLAIMED = 3
 def detect_boards(grey: GreyPicture, boards: BoardSet, settings: DetectSettings) -> PictureDots:
     """Find the dots of all boards of a set in one picture.
 
-    Boards that markers number are found first, each by the detector of its kind. Then those that are told
+    Boards that markers number are found first, each by the detector of its kind. Then those that are known
     by rings or by their columns and rows, in a picture in which the boards that are found already are hidden.
 
     Parameters

@@ -125,7 +125,7 @@ class BoardSet(BaseModel):
             for other in self.targets[number + 1 :]:
                 if why := why_same_looking(board, other):
                     raise ValueError(
-                        f"targets: '{board.name}' and '{other.name}' cannot be told apart: {why}"
+                        f"targets: '{board.name}' and '{other.name}' cannot be distinguished: {why}"
                     )
         self._check_places()
         return self

@@ -68,7 +68,7 @@ def target_of(given: AnyTargets) -> AnyTarget:
     Raises
     ------
     UnknownNameError, InputError
-        As of :func:`load_target`; or boards that are given together cannot be told apart.
+        As of :func:`load_target`; or boards that are given together cannot be distinguished.
     InputTypeError
         It is no target at all.
     """

@@ -9,10 +9,10 @@ from labcal.targets.target import PrintableTarget
 
 
 def why_same_looking(one: PrintableTarget, other: PrintableTarget) -> str | None:
-    """Return why two boards cannot be told apart in a picture, and what to do; None where they can.
+    """Return why two boards cannot be distinguished in a picture, and what to do; None where they can.
 
     Markers tell boards by their ids. Rings tell grids of dots where their positions relative to each other
-    differ. Plain boards are told by their numbers of columns and rows.
+    differ. Plain boards are distinguished by their numbers of columns and rows.
     """
     ids, others = _ids(one), _ids(other)
     if ids is not None and others is not None:
@@ -54,8 +54,8 @@ def _alike_grids(one: DotGrid, other: DotGrid) -> str | None:
     if one.rings is None or other.rings is None:
         if (one.cols, one.rows) == (other.cols, other.rows) or one.rings is other.rings:
             return (
-                "grids of dots are told by their rings, and at least one has none; print rings, or a board "
-                "with markers"
+                "grids of dots are distinguished by their rings, and at least one has none; print rings, or a "
+                "board with markers"
             )
         return None
     if (one.rings.x_steps, one.rings.y_steps) == (other.rings.x_steps, other.rings.y_steps):

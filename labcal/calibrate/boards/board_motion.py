@@ -15,7 +15,7 @@ from labcal.targets.board_set import BoardSet
 
 _MOST_ROUNDS = 6
 _SETTLED_MM = 1e-5
-"""Change of a dot's place by a round below which boards are as rigid as they can be told to be."""
+"""Change of a dot's place by a round below which the boards count as rigid."""
 
 
 @dataclass(frozen=True)
