@@ -37,8 +37,8 @@ def on_target(table: Detections, target: Target) -> Detections:
             return table
         raise InputError(
             f"The table does not state the boards of its dots, but '{target.name}' has several "
-            f"({listed(target.names)}). Find the dots with the same targets: 'labcal detect --target ... "
-            "--target ...' writes the column 'board'."
+            f"({listed(target.names)}). Find the dots by the same targets in one table: "
+            "`target=['A', 'B']` of 'detect', which names the board of each."
         )
     unknown = [name for name in table.boards if name not in target.names]
     if unknown:

@@ -54,8 +54,8 @@ def _alike_grids(one: DotGrid, other: DotGrid) -> str | None:
     if one.rings is None or other.rings is None:
         if (one.cols, one.rows) == (other.cols, other.rows) or one.rings is other.rings:
             return (
-                "grids of dots are distinguished by their rings, and at least one has none; print rings, or a "
-                "board with markers"
+                "grids of dots are distinguished by their rings, and at least one has none; print rings, or "
+                "a board with markers"
             )
         return None
     if (one.rings.x_steps, one.rings.y_steps) == (other.rings.x_steps, other.rings.y_steps):
