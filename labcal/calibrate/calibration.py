@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labcal.calibrate.adjustment.state import Lenses
+from labcal.calibrate.boards.several import board_warnings, calibrate_boards
 from labcal.calibrate.budget.shared_errors import measured_places
 from labcal.calibrate.calibration_warnings import calibration_warnings
 from labcal.calibrate.default_lens import calibrate_with_default_lens
@@ -27,6 +28,7 @@ from labcal.errors import InputError
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.progress import NoProgress, Progress
+from labcal.targets.board_set import BoardSet
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.places import DotPlaces
 
@@ -227,7 +229,10 @@ def calibrated(
     held_out = held_out_views(detections.views, hold_out)
     entering = detections.where(~np.isin(detections.view, held_out))
     choice, lens = None, lens or _lens_of(settings)
-    if lens is None:
+    if isinstance(target, BoardSet):
+        lens = DEFAULT_LENS if lens is None else lens
+        found = calibrate_boards(entering, target, lens, settings)
+    elif lens is None:
         choice, found = calibrate_with_default_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens
     elif lens == AUTO:
@@ -245,6 +250,7 @@ def calibrated(
         *(() if tested is None else (tested,)),
         *warnings_of_print(found, settings),
         *calibration_warnings(found, lens, target.name),
+        *board_warnings(found),
         *notes,
     )
     return Calibration(found, lens, choice, held_out, learned, warnings)

@@ -26,6 +26,7 @@ from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
 from labcal.geometry.poses import transform
 from labcal.optim.stopping import StopReason
+from labcal.targets.board_set import BoardSet
 
 UNEVEN, UNEVEN_PX = 5.0, 0.1
 """Scatter from which on it is worth a word: so many times the dots' own noise, and so many px."""
@@ -120,6 +121,8 @@ class HandheldCalibration:
     """True if the dots were kept where an earlier calibration had found them."""
     disagreement: Disagreement | None = None
     """The disagreement of the cameras on the poses of the target; None if they agree."""
+    boards: BoardSet | None = None
+    """The boards where they were found on their plate; None of one board."""
 
     @property
     def rms_alone_px(self) -> float:

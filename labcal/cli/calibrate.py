@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING
 
 from labcal.calibrate.lens_candidates import AUTO, DEFAULT_LENS
 from labcal.cli.dot_places import add_dot_places, dot_treatment
-from labcal.cli.options import add_detector_settings, add_hold_out, add_output, add_page, add_workers
+from labcal.cli.options import (
+    add_detector_settings,
+    add_hold_out,
+    add_output,
+    add_page,
+    add_targets,
+    add_workers,
+)
 from labcal.cli.parser import CommandGroup
 from labcal.cli.print_scale import add_print_scale, scaled_target, store_scale
 from labcal.cli.session import Session
@@ -37,9 +44,7 @@ def add_parser(commands: CommandGroup) -> None:
         help="detections.csv of the shoot, instead of detecting anew",
     )
     add_hold_out(parser)
-    parser.add_argument(
-        "--target", metavar="NAME", help="the target; a shoot brings its own, and so does a print with a code"
-    )
+    add_targets(parser)
     add_print_scale(parser, "of a shoot it goes into shoot.json, of a table into RIG-dots.json")
     parser.add_argument(
         "--lens",
@@ -75,6 +80,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cameras.rig_file import KIND, write_rig
     from labcal.cli.dots import dots_given, refuse_idle_detection
     from labcal.cli.page import asked_page
+    from labcal.correspond.boards_table import on_target
     from labcal.correspond.dot_source import DotSource, open_dots
     from labcal.correspond.paths_read import paths_read
     from labcal.errors import InputError
@@ -83,7 +89,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.run.claims import FileOutput, claim_outputs
     from labcal.run.overwriting import require_name
     from labcal.shoot.pictures import png_output
-    from labcal.targets.catalogue import load_target
+    from labcal.targets.catalogue import target_of
     from labcal.targets.places import KIND as DOTS_KIND
     from labcal.wording import listed
 
@@ -104,7 +110,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     claim_outputs(outputs, read, force=arguments.force)
     settings = _settings(arguments)
     refuse_idle_detection(arguments)
-    named = None if arguments.target is None else load_target(arguments.target)
+    named = None if arguments.target is None else target_of(arguments.target)
     given = open_dots(arguments.source, arguments.detections)
     if named is None and given.shoot is None and settings.places is not None:
         named = settings.places.target
@@ -124,7 +130,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
         session.say(f"held out, to be scored by 'labcal evaluate': {listed(made.held_out)}{note}")
     write_rig(arguments.output, made.rig, force=arguments.force)
     _write_dots(arguments, made, session)
-    result = calibrate_result(made, detections, target)
+    result = calibrate_result(made, on_target(detections, target), target)
     session.emit(result, calibrate_table(result))
     return ExitStatus.PARTIAL if result.doubtful else ExitStatus.DONE
 

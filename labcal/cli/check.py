@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.cli.options import (
+    add_cameras,
     add_detector_settings,
     add_page,
-    add_target_and_cameras,
+    add_targets,
     add_workers,
     refuse_option,
 )
@@ -46,7 +47,8 @@ def add_parser(commands: CommandGroup) -> None:
         help="one shoot, or pictures and folders, or a table: detections.csv of dots, with --places "
         "pixels.csv of marks",
     )
-    add_target_and_cameras(parser)
+    add_targets(parser)
+    add_cameras(parser)
     parser.add_argument(
         "--dots",
         type=Path,

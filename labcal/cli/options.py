@@ -21,13 +21,63 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "pictures", nargs="+", metavar="SHOOT-or-IMAGES", help="one shoot, or pictures and folders"
     )
-    add_target_and_cameras(parser)
+    add_targets(parser)
+    add_cameras(parser)
+
+
+class TogetherAction(argparse.Action):
+    """An option that may be given several times: its values are a list then."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,  # noqa: ARG002 -- argparse's
+        namespace: argparse.Namespace,
+        values: object,
+        option_string: str | None = None,  # noqa: ARG002 -- argparse's
+    ) -> None:
+        """Store a value beside those before it."""
+        before = getattr(namespace, self.dest)
+        earlier = [] if before is None else before if isinstance(before, list) else [before]
+        setattr(namespace, self.dest, [*earlier, values] if earlier else values)
+
+
+class OnceAction(argparse.Action):
+    """An option that may be given once."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: object,
+        option_string: str | None = None,
+    ) -> None:
+        """Store the value; raise where there is one."""
+        before = getattr(namespace, self.dest)
+        if before is not None:
+            parser.error(
+                f"{option_string} is given twice, as '{before}' and '{values}'; this command takes one"
+            )
+        setattr(namespace, self.dest, values)
+
+
+def add_targets(parser: argparse.ArgumentParser) -> None:
+    """Add ``--target``, which may be given once for each of several boards in the same pictures."""
+    parser.add_argument(
+        "--target",
+        metavar="NAME",
+        action=TogetherAction,
+        help="the target; a shoot brings its own, and so does a print with a code. Given several times: "
+        "boards side by side, fixed to one plate",
+    )
 
 
 def add_target_and_cameras(parser: argparse.ArgumentParser) -> None:
     """Add what pictures are of, who took them, and their form: ``--target``, ``--cameras``, ``--raw``."""
     parser.add_argument(
-        "--target", metavar="NAME", help="the target; a shoot brings its own, and so does a print with a code"
+        "--target",
+        metavar="NAME",
+        action=OnceAction,
+        help="the target; a shoot brings its own, and so does a print with a code",
     )
     add_cameras(parser)
 

@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labcal.correspond.detections import Detections
-from labcal.correspond.detections_csv import HEADER
+from labcal.correspond.detections_csv import BOARD, HEADER
 from labcal.correspond.dot_axis import DotAxis
+from labcal.errors import InputError
 from labcal.extras import optional_module
+from labcal.wording import listed
 
 if TYPE_CHECKING:
     import pandas
@@ -23,12 +25,18 @@ def detections_frame(table: Detections) -> "pandas.DataFrame":
         table.view, table.camera, table.image, *table.size.T, col, row, *table.position.T,
         table.covariance[:, 0, 0], table.covariance[:, 0, 1], table.covariance[:, 1, 1], table.flag,
     )  # fmt: skip
-    frame: pandas.DataFrame = library.DataFrame(dict(zip(HEADER, columns, strict=True)))
+    board = {BOARD: table.board} if table.boards else {}
+    frame: pandas.DataFrame = library.DataFrame({**dict(zip(HEADER, columns, strict=True)), **board})
     return frame
 
 
 def detections_dataset(table: Detections) -> "xarray.Dataset":
     """Return named arrays; see :meth:`Detections.to_xarray`."""
+    if table.boards:
+        raise InputError(
+            f"The table holds dots of boards by name ({listed(table.boards)}), which arrays by col and row "
+            "cannot keep apart. Take the lines of one: `table.where(table.board == 'NAME')`."
+        )
     named = table.where(table.has_id)
     axis = DotAxis.of(named.index)
     shape = (len(named.views), len(named.cameras), len(axis))

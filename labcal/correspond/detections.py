@@ -16,6 +16,7 @@ from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable
 from labcal.run.table_columns import numbers_of_names
+from labcal.wording import listed
 
 if TYPE_CHECKING:
     import matplotlib.figure
@@ -58,6 +59,8 @@ class Detections(PictureLines):
     """Of `position`, px squared."""
     flag: np.ndarray
     """(n,) of str, a :class:`DotFlag`."""
+    board: np.ndarray
+    """(n,) of str, the board that `index` is of where pictures show several; empty where they show one."""
 
     def __init__(  # noqa: PLR0913, PLR0917 -- as many as columns
         self,
@@ -70,9 +73,11 @@ class Detections(PictureLines):
         position: AnyArray,
         covariance: AnyArray,
         flag: AnyArray,
+        board: AnyArray | None = None,
     ) -> None:
         n = np.shape(np.asarray(view))[:1]
-        texts = {"view": view, "camera": camera, "image": image, "flag": flag}
+        board = np.full(n, "") if board is None else board
+        texts = {"view": view, "camera": camera, "image": image, "flag": flag, "board": board}
         whole = {"size": size, "index": index}
         self._keep(
             {
@@ -93,6 +98,11 @@ class Detections(PictureLines):
     def camera_number(self) -> Int64[np.ndarray, " n"]:
         """Of each line, the place of its camera among :attr:`cameras`."""
         return numbers_of_names(self.camera.tolist(), {})
+
+    @cached_property
+    def boards(self) -> tuple[str, ...]:
+        """Names of the boards, in order of appearance; nothing where pictures show one target."""
+        return tuple(name for name in dict.fromkeys(self.board.tolist()) if name)
 
     def with_cameras_in_order(self, order: Sequence[str]) -> "Detections":
         """Return the lines of each camera together, in an order, where they do not appear in it already.
@@ -121,8 +131,10 @@ class Detections(PictureLines):
         Raises
         ------
         InputError
-            One has no position, or is listed twice for a picture.
+            One has no position, or is listed twice for a picture; or they are of several boards, of which
+            :func:`~labcal.correspond.boards_table.on_target` makes dots of one target.
         """
+        self.require_one_board()
         usable = self.where(self.ok)
         lost = np.flatnonzero(~np.isfinite(usable.position).all(axis=1))
         if len(lost):
@@ -137,6 +149,21 @@ class Detections(PictureLines):
                 f"{usable.words(int(twice))} is listed twice. Keep one line for each dot of a picture."
             )
         return usable
+
+    def require_one_board(self) -> None:
+        """Raise where dots are of boards by name, whose columns and rows are no target's.
+
+        Raises
+        ------
+        InputError
+            They are; :func:`~labcal.correspond.boards_table.on_target` makes dots of one target of them.
+        """
+        if self.boards:
+            raise InputError(
+                f"The table holds dots of boards by name ({listed(self.boards)}), but this work takes those "
+                "of one target ('calibrate' and 'check' take several boards). Keep the lines of one board, "
+                "without the column 'board'."
+            )
 
     @classmethod
     def load(cls, path: AnyPath) -> "Detections":
@@ -232,9 +259,11 @@ class Detections(PictureLines):
         return detections_figure(self, view, camera)
 
     def _summary(self) -> Mapping[str, object]:
+        boards = {"boards": list(self.boards)} if self.boards else {}
         return {
             "views": len(self.views),
             "cameras": list(self.cameras),
+            **boards,
             "dots": len(self),
             "ok": int(self.ok.sum()),
         }
@@ -248,7 +277,8 @@ class Detections(PictureLines):
     def words(self, line: int) -> str:
         """Return which dot a line is, for people."""
         col, row = self.index[line]
-        return f"Dot ({col}, {row}) in view '{self.view[line]}' of camera '{self.camera[line]}'"
+        of = f" of board '{self.board[line]}'" if self.board[line] else ""
+        return f"Dot ({col}, {row}){of} in view '{self.view[line]}' of camera '{self.camera[line]}'"
 
     def picture_size(self, camera: str) -> tuple[int, int]:
         """Return a camera's picture size.

@@ -14,7 +14,7 @@ from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import beginning_with
 from labcal.run.names import is_name
 from labcal.run.outputs import write_file
-from labcal.run.table_columns import TableLines, table_parts
+from labcal.run.table_columns import TableLines, numbers_of_names, table_parts
 from labcal.run.tables import refuse_twice, table_text
 from labcal.wording import clipped, has_control, printable
 
@@ -23,7 +23,13 @@ HEADER = (
     "x_px", "y_px", "var_xx", "var_xy", "var_yy", "flag",
 )  # fmt: skip
 
-KIND = beginning_with("a table of detections", f"{','.join(HEADER)}\n".encode())
+BOARD = "board"
+"""A further column where pictures show several boards: the name of the board that col and row are of."""
+_OF_BOARDS = (*HEADER, BOARD)
+
+KIND = beginning_with(
+    "a table of detections", *(f"{','.join(columns)}\n".encode() for columns in (HEADER, _OF_BOARDS))
+)
 
 
 def detections_csv(table: Detections) -> str:
@@ -36,7 +42,11 @@ def detections_csv(table: Detections) -> str:
             [table.view[i], table.camera[i], table.image[i], *table.size[i].tolist(), *index,
              *table.position[i].tolist(), xx, xy, yy, table.flag[i]]
         )  # fmt: skip
-    return table_text(HEADER, lines)
+    if not table.boards:
+        return table_text(HEADER, lines)
+    return table_text(
+        _OF_BOARDS, [[*line, str(board)] for line, board in zip(lines, table.board, strict=True)]
+    )
 
 
 def read_detections(path: AnyPath) -> Detections:
@@ -107,6 +117,7 @@ def require_readable(table: Detections) -> None:
         The name of a camera or view is no name, or a flag is not known; the first one is named.
     """
     cameras = [("camera", name, "letters, digits and hyphens") for name in table.cameras if not is_name(name)]
+    cameras += [("board", name, "letters, digits and hyphens") for name in table.boards if not is_name(name)]
     views = [("view", name, "printable characters") for name in table.views if has_control(name)]
     for column, name, expected in (*cameras, *views):
         raise InputError(
@@ -126,13 +137,16 @@ def _read_columns(path: Path) -> tuple[np.ndarray, ...]:
         It cannot be read, has other columns, a line in it is damaged, two lines are of the same dot of a
         picture, or a picture has two names or sizes; the line is named.
     """
-    pictures = PicturesOfLines(path)
-    read = [_columns(part, pictures) for part in table_parts(HEADER, "detections", path)]
+    pictures, header = PicturesOfLines(path), _header(path)
+    read = [_columns(part, pictures) for part in table_parts(header, "detections", path)]
     if read:
-        picture, index, has_id, figures, flag = (np.concatenate(column) for column in zip(*read, strict=True))
+        picture, index, has_id, figures, flag, board = (
+            np.concatenate(column) for column in zip(*read, strict=True)
+        )
     else:
-        picture, index, has_id, figures, flag = _NO_LINES
-    keys = np.column_stack([np.where(has_id, picture, -1), index + MOST_INDEX])
+        picture, index, has_id, figures, flag, board = _NO_LINES
+    number = numbers_of_names(board.tolist(), {})
+    keys = np.column_stack([np.where(has_id, picture, -1), index + MOST_INDEX, number])
     refuse_twice(path, keys, "dot of a picture")
     return (
         pictures.column("view", picture),
@@ -144,7 +158,19 @@ def _read_columns(path: Path) -> tuple[np.ndarray, ...]:
         figures[:, :2],
         figures[:, [2, 3, 3, 4]].reshape(-1, 2, 2),
         flag,
+        board,
     )
+
+
+def _header(path: Path) -> tuple[str, ...]:
+    """Return the columns that a table should have: the name of the board among them where it is stated."""
+    stated = f",{BOARD}".encode()
+    try:
+        with path.open("rb") as file:
+            first = file.readline(_LONGEST_HEADER).rstrip(b"\r\n")
+    except OSError:
+        return HEADER  # reading it says what is wrong
+    return _OF_BOARDS if first.endswith(stated) else HEADER
 
 
 _NO_LINES = (
@@ -153,13 +179,13 @@ _NO_LINES = (
     np.empty(0, dtype=bool),
     np.empty((0, 5)),
     np.empty(0, dtype=np.str_),
+    np.empty(0, dtype=np.str_),
 )
+_LONGEST_HEADER = 1000
 
 
-def _columns(
-    part: TableLines, pictures: PicturesOfLines
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return picture, (col, row), whether there is one, figures and flag of lines; raise at a damaged one."""
+def _columns(part: TableLines, pictures: PicturesOfLines) -> tuple[np.ndarray, ...]:
+    """Return picture, (col, row), whether there is one, figures, flag and board; raise at a damaged line."""
     picture = pictures.numbers(part)
     size = pictures.sizes(picture)
     index = part.whole(("col", "row"), empty="0")
@@ -172,8 +198,17 @@ def _columns(
     part.require(missing | near_picture(size, figures[:, :2]), "it is far outside of its picture")
     part.require(missing | covaries_soundly(size, figures[:, 2:]), "its covariance is none")
     part.require(~ok | (has_id & ~missing), "what is flagged 'ok' has a column, a row and a position")
+    board = np.full(len(part), "", dtype=object)
+    if BOARD in part.header:
+        board = np.array(part.column(BOARD), dtype=object)
+        named = np.array(
+            [is_name(name) if name else not known for name, known in zip(board, has_id, strict=True)]
+        )
+        part.require(
+            named, "its board should be a name of letters, digits and hyphens, as of each dot with an id"
+        )
     part.refuse()
-    return picture, index, has_id, figures, flag.astype(np.str_)
+    return picture, index, has_id, figures, flag.astype(np.str_), board.astype(np.str_)
 
 
 _FLAGS = frozenset(flag.value for flag in DotFlag)

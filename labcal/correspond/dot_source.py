@@ -16,7 +16,7 @@ from labcal.paths import AnyPath, as_path
 from labcal.run.executor import open_executor
 from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.catalogue import AnyTarget, AnyTargets
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class DotSource:
             raise InputError("A table of dots has no pictures. Its dots are in `table`.")
         return open_pictures(self.shoot)
 
-    def target(self, given: AnyPath | AnyTarget | None = None, rig: Rig | None = None) -> AnyTarget:
+    def target(self, given: AnyTargets | None = None, rig: Rig | None = None) -> AnyTarget:
         """Return the target that is given, by itself or by name, of the shoot, of a print or of a rig.
 
         The code of a print is searched in the pictures of the shoot or, where a table is given alone and the

@@ -107,8 +107,9 @@ def require_on_target(detections: Detections, target: Target) -> None:
     Raises
     ------
     InputError
-        A column or row is beyond the target's.
+        A column or row is beyond the target's, or dots are of boards by name.
     """
+    detections.require_one_board()
     index = detections.index[detections.ok]
     beyond = ((index < 0) | (index >= [target.cols, target.rows])).any(axis=1)
     if beyond.any():

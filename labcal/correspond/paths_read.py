@@ -12,12 +12,12 @@ from labcal.shoot.dataset import MANIFEST, is_shoot, open_shoot
 from labcal.shoot.pictures import SUFFIXES
 
 
-def paths_read(given: Iterable[AnyPath | None], sources: Iterable[Source] = ()) -> list[Path]:
+def paths_read(given: Iterable[AnyPath | list[str] | None], sources: Iterable[Source] = ()) -> list[Path]:
     """Return what is read, for :func:`~labcal.run.claims.claim_outputs`.
 
     Parameters
     ----------
-    given : iterable of path or None
+    given : iterable of path, list of path, or None
         What was given; names among them that are no paths do no harm. Of a folder everything that
         belongs to a shoot, or might be read as a picture or as cameras, counts as read.
     sources : iterable of Source
@@ -25,7 +25,8 @@ def paths_read(given: Iterable[AnyPath | None], sources: Iterable[Source] = ()) 
     """
     endings = SUFFIXES | {suffix for one in FORMATS.values() for suffix in one.suffixes}
     paths = [Path(source.image) for source in sources]
-    for path in (as_path(one) for one in given if one):
+    every = [name for one in given for name in (one if isinstance(one, list) else [one])]
+    for path in (as_path(one) for one in every if one):
         paths.append(path)
         if is_shoot(path):
             paths += [path / MANIFEST, path / "run.json", *path.glob("truth/*")]

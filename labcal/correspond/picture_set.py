@@ -21,7 +21,7 @@ from labcal.public_object import PublicObject
 from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.raw_pictures import RAW_SUFFIXES, parse_raw_format
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.catalogue import AnyTarget, AnyTargets
 from labcal.targets.code_text import PrintedTarget
 from labcal.targets.kept_target import kept_target
 
@@ -65,7 +65,7 @@ class PictureSet(PublicObject):
         """``train`` or ``test`` of each view of a shoot; empty for loose pictures."""
         return {} if self.shoot is None else {view.name: view.role.value for view in self.shoot.views()}
 
-    def target(self, given: "AnyTarget | AnyPath | None" = None, rig: Rig | None = None) -> AnyTarget:
+    def target(self, given: "AnyTargets | None" = None, rig: Rig | None = None) -> AnyTarget:
         """Return the target that is given, by itself or by name, of the shoot, of a print or of a rig.
 
         Raises
@@ -80,7 +80,7 @@ class PictureSet(PublicObject):
 
     def shown(
         self,
-        given: "AnyTarget | PrintedTarget | AnyPath | None" = None,
+        given: "AnyTargets | PrintedTarget | None" = None,
         executor: Executor | None = None,
         progress: Progress | None = None,
     ) -> ShownTarget:
@@ -184,7 +184,7 @@ def with_raw_files(paths: Sequence[str]) -> list[str]:
 
 
 def target_shown(
-    given: "AnyTarget | PrintedTarget | AnyPath | None",
+    given: "AnyTargets | PrintedTarget | None",
     shoot: Shoot | None,
     sources: Sequence[Source] = (),
     rig: Rig | None = None,

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 
 from labcal.correspond.sources import Source
 from labcal.errors import InputError
-from labcal.paths import AnyPath
 from labcal.run.executor import SerialExecutor
 from labcal.run.progress import Progress, progress_of
-from labcal.targets.catalogue import AnyTarget, target_of
+from labcal.targets.catalogue import AnyTarget, AnyTargets, target_of
 from labcal.targets.code_text import PrintedTarget, code_text
 from labcal.wording import clipped, counted
 
@@ -54,13 +53,14 @@ class ShownTarget:
         return (f"the target '{self.printed.name}' is read from the code in {self.picture}", *self.notes)
 
 
-def named_target(given: AnyTarget | PrintedTarget | AnyPath) -> ShownTarget:
+def named_target(given: AnyTargets | PrintedTarget) -> ShownTarget:
     """Return the target that is given, by itself or by name.
 
     Parameters
     ----------
     given : AnyTarget, PrintedTarget, path or str
-        Of a numbered print, the name of its target with the number: ``"rings-14x10#2"``.
+        Of a numbered print, the name of its target with the number: ``"rings-14x10#2"``. Several in a list
+        are boards side by side.
 
     Raises
     ------

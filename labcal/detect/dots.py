@@ -11,6 +11,22 @@ from labcal.targets.grid import Polarity
 
 
 @dataclass(frozen=True)
+class OwnPlaces:
+    """Dots of several boards side by side by their own boards.
+
+    Attributes
+    ----------
+    board : ndarray of str, shape (n,)
+        Name of the board; empty for a dot without an id.
+    index : ndarray of int, shape (n, 2)
+        (col, row) on that board.
+    """
+
+    board: np.ndarray
+    index: Int[np.ndarray, "n 2"]
+
+
+@dataclass(frozen=True)
 class PictureDots:
     """The dots of one picture, sorted by row, then column; dots without an id come last, by y, then x.
 
@@ -48,6 +64,8 @@ class PictureDots:
         same after half a turn, three of a square one; empty if the picture determines it.
     detail : str
         Sentence on what was seen where the picture is refused, for people; may be empty.
+    own : OwnPlaces or None
+        Of several boards side by side, each dot's own board and index; None of one board.
     """
 
     size: tuple[int, int]
@@ -63,6 +81,7 @@ class PictureDots:
     outline: PixelCovariances
     others: tuple[Int[np.ndarray, "n 2"], ...] = ()
     detail: str = ""
+    own: OwnPlaces | None = None
 
     @property
     def indexed(self) -> bool:
@@ -100,6 +119,17 @@ class PictureDots:
             misfit=np.full(n, np.nan),
             flag=(DotFlag.NO_ID,) * n,
         )
+
+    def of_board(self, name: str) -> "PictureDots":
+        """Return the dots of one of several boards with their own (col, row)."""
+        if self.own is None:
+            return self
+        mine = np.flatnonzero(self.has_id & (self.own.board == name))
+        return PictureDots(
+            self.size, self.polarity, self.refusal, self.own.index[mine], self.has_id[mine],
+            self.position[mine], self.covariance[mine], self.misfit[mine],
+            tuple(self.flag[i] for i in mine), self.seen_at[mine], self.outline[mine],
+        )  # fmt: skip
 
     def unusable(self) -> "PictureDots":
         """Return the dots as they were found, but refused: hardly any fits, the others by chance."""

@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from labcal.arguments import one_text, settings_of
+from labcal.correspond.boards_table import on_target
 from labcal.correspond.detections import Detections
 from labcal.correspond.view_roles import HoldOut, checked_hold_out, held_out_views, holds_none
 from labcal.errors import InputError
@@ -14,7 +15,8 @@ from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.board_set import BoardSet
+from labcal.targets.catalogue import AnyTarget, AnyTargets
 
 if TYPE_CHECKING:
     from labcal.calibrate.calibration import Calibration
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of it
-    source: Shoot | AnyTarget | AnyPath,
+    source: Shoot | AnyTargets,
     detections: Detections | AnyPath | None = None,
     lens: str | None = None,
     settings: "HandheldSettings | None" = None,
@@ -39,7 +41,8 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
     Parameters
     ----------
     source : Shoot, AnyTarget, path or str
-        A shoot or its folder, whose test views do not enter; or the target that the dots are of, or its name.
+        A shoot or its folder, whose test views do not enter; or the target that the dots are of, or its name;
+        several in a list are boards side by side.
     detections : Detections or path, optional
         Dots, or the table of them; those of the shoot are found in its pictures where left out.
     lens : str, optional
@@ -80,13 +83,17 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
     settings, progress = settings_of(settings, HandheldSettings), progress_of(progress)
     hold_out = checked_hold_out(hold_out)
     shown = shown_by(source)
-    dots = dots_of(detections, shown, progress)
+    dots = on_target(
+        dots_of(detections, shown, progress), shown.target if isinstance(shown, Shoot) else shown
+    )
     target, kept_back = shown.target if isinstance(shown, Shoot) else shown, hold_out
     if isinstance(shown, Shoot) and not holds_none(hold_out, dots.views):
         tested = {view.name for view in shown.views(Role.TEST)}
         rest = [view for view in dots.views if view not in tested]
         kept_back = [view for view in dots.views if view in tested or view in held_out_views(rest, hold_out)]
-    made = with_named_causes(calibrated(dots, target, lens, settings, kept_back, progress), dots, target)
+    made = calibrated(dots, target, lens, settings, kept_back, progress)
+    if not isinstance(target, BoardSet):
+        made = with_named_causes(made, dots, target)
     if output is not None:
         from labcal.report.calibration_page import calibration_page
 

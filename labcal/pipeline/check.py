@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from labcal.arguments import settings_of
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_file import read_rig
+from labcal.correspond.boards_table import each_board
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
 from labcal.errors import InputError
@@ -103,7 +104,10 @@ def check(
         named = shown.target if isinstance(shown, DotPlaces) else shown
         dots, board = _dots(source, named, used, progress_of(progress))
         known = shown if isinstance(shown, DotPlaces) else board or target_shown(named, None, rig=used).target
-        found = checked(used, dots, known if isinstance(known, DotPlaces) else dots_beside(rig, known))
+        if not isinstance(known, DotPlaces):
+            dots, each = each_board(dots, known)
+            known = dots_beside(rig, each)
+        found = checked(used, dots, known)
     else:
         found = check_by_marks(used, source, target, how, progress)
     if how.log is not None:

@@ -8,7 +8,7 @@ from labcal.paths import AnyPath
 from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, find_tone_curve
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.catalogue import AnyTargets
 
 if TYPE_CHECKING:
     from labcal.correspond.measure import Measurement
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 def measure_pictures(
     pictures: "AnyPictures",
-    target: "AnyTarget | PrintedTarget | AnyPath | None" = None,
+    target: "AnyTargets | PrintedTarget | None" = None,
     settings: "DetectSettings | None" = None,
     tone_curve: AnyToneCurve | AnyPath = ToneCurve.LINEAR,
     workers: int = 1,
@@ -33,8 +33,9 @@ def measure_pictures(
     ----------
     pictures : PictureSet, Shoot, path or sequence of paths
         As for :func:`~labcal.correspond.picture_set.open_pictures`, which takes the cameras' names, too.
-    target : str, AnyTarget or PrintedTarget, optional
+    target : AnyTargets or PrintedTarget, optional
         What the pictures show; a shoot brings its own, and a print with a code tells it in any sharp picture.
+        Several in a list are boards side by side.
     settings : DetectSettings, optional
         Thresholds, sizes and counts of the detector; the defaults where left out.
     tone_curve : str, path or AnyToneCurve
@@ -77,7 +78,7 @@ def measure_pictures(
 
 def detect(
     pictures: "AnyPictures",
-    target: "AnyTarget | PrintedTarget | AnyPath | None" = None,
+    target: "AnyTargets | PrintedTarget | None" = None,
     settings: "DetectSettings | None" = None,
     tone_curve: AnyToneCurve | AnyPath = ToneCurve.LINEAR,
     workers: int = 1,
@@ -117,7 +118,7 @@ def detect(
 
 def inspect(
     pictures: "AnyPictures",
-    target: AnyTarget | AnyPath | None = None,
+    target: AnyTargets | None = None,
     settings: "DetectSettings | None" = None,
     workers: int = 1,
     progress: Progress | None = None,

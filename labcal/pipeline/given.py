@@ -10,10 +10,10 @@ from labcal.paths import AnyPath, as_path
 from labcal.pipeline.detection import detect
 from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
-from labcal.targets.catalogue import AnyTarget, target_of
+from labcal.targets.catalogue import AnyTarget, AnyTargets, target_of
 
 
-def shown_by(source: Shoot | AnyTarget | AnyPath) -> Shoot | AnyTarget:
+def shown_by(source: Shoot | AnyTargets) -> Shoot | AnyTarget:
     """Return what dots are of: a shoot, by its folder, too, or a target, by its name, too."""
     if isinstance(source, Shoot):
         return _with_target(source)

@@ -17,6 +17,7 @@ from labcal.calibrate.outlying_dots import OutlyingDots
 from labcal.cameras.camera_pair import CameraPair
 from labcal.correspond.detections import Detections
 from labcal.evaluate.print_shape import PrintShape, agreement, print_shape
+from labcal.report.board_result import BoardResult, board_lines, board_results
 from labcal.report.camera_result import CameraResult, camera_tables
 from labcal.report.columns import name_column
 from labcal.report.expectation_result import ExpectedErrorsResult, expectation_table, pair_lines
@@ -86,6 +87,8 @@ class CalibrateResult:
     """Baseline of every two cameras and the angle between their axes, with their standard deviations."""
     expected_errors: ExpectedErrorsResult
     """Of points, where the target was."""
+    boards: list[BoardResult] | None
+    """Of boards side by side on one plate, where each was found; null for one target."""
 
     @property
     def doubtful(self) -> bool:
@@ -120,6 +123,7 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
         warnings=list(made.warnings),
         pairs=list(found.pairs()),
         expected_errors=ExpectedErrorsResult.of(found.expected_errors()),
+        boards=None if found.boards is None else board_results(found.boards, found.entering(detections)),
     )
 
 
@@ -153,6 +157,8 @@ def calibrate_table(result: CalibrateResult) -> object:
     if result.outliers:
         parts.append(_outlier_table(result))
     parts.append(f"dots {result.dot_places.why}")
+    if result.boards is not None:
+        parts.append(Text("\n".join(board_lines(result.boards))))
     if result.free_dots is not None:
         words = print_words(result.free_dots.shape)
         if result.free_dots.agreement is not None:

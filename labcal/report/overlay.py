@@ -8,6 +8,7 @@ from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag
 from labcal.detect.grey import AnyPicture, grey_picture
 from labcal.detect.marks.picture_marks import PictureMarks
+from labcal.targets.board_set import BoardSet
 from labcal.targets.grid import DotGrid, GridIndex
 from labcal.targets.target import Target
 
@@ -61,8 +62,10 @@ def draw_overlay(image: AnyPicture, dots: PictureDots, target: Target) -> UInt8[
     for i, flag in enumerate(dots.flag):
         draw_dot(canvas, dots, i, _COLOURS[flag], thick)
     draw_uncertainty(canvas, dots, thick)
-    _draw_axes(canvas, dots, target, 2 * thick)
-    _draw_labels(canvas, dots, thick)
+    for part, board in _boards(dots, target):
+        _draw_axes(canvas, part, board, 2 * thick)
+        _draw_labels(canvas, part, thick)
+        _draw_name(canvas, part, board if part is not dots else None, thick)
     if dots.refusal is not None:
         draw_text(
             canvas,
@@ -72,6 +75,22 @@ def draw_overlay(image: AnyPicture, dots: PictureDots, target: Target) -> UInt8[
             _COLOURS[DotFlag.BAD_FIT],
         )
     return canvas
+
+
+def _boards(dots: PictureDots, target: Target) -> list[tuple[PictureDots, Target]]:
+    """Return the dots of each board; of a single one, and where none is found, all of them."""
+    if dots.own is None or not dots.indexed or not isinstance(target, BoardSet):
+        return [(dots, target)]
+    return [(dots.of_board(board.name), board) for board in target.targets]
+
+
+def _draw_name(canvas: np.ndarray, dots: PictureDots, board: Target | None, thick: int) -> None:
+    """Write the name of one of several boards above its dots."""
+    if board is None or len(dots.flag) == 0:
+        return
+    x, y = dots.seen_at[:, 0].min(), dots.seen_at[:, 1].min() - 20.0 * thick
+    place = (int(max(x, 0.0)), int(max(y, 16.0 * thick)))
+    draw_text(canvas, board.name, place, 0.6 * thick, _COLOURS[DotFlag.OK])
 
 
 def grey_canvas(image: AnyPicture) -> UInt8[np.ndarray, "h w 3"]:

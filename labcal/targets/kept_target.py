@@ -11,6 +11,7 @@ from labcal.targets.places import DotPlaces
 from labcal.targets.target import PrintableTarget, Target
 
 _FOR_PEOPLE = {"name", "description"}
+_OF_A_PLATE = {"places", "mounting"}
 
 
 def target_record(target: AnyTarget) -> TargetRecord:
@@ -68,7 +69,7 @@ def other_target_note(rig: Rig, shown: Target | DotPlaces) -> str | None:
     if rig.target is None or not isinstance(shown, PrintableTarget):
         return None
     given, kept = target_record(shown).root, rig.target.root
-    keys = (given.keys() | kept.keys()) - _FOR_PEOPLE
+    keys = (given.keys() | kept.keys()) - _FOR_PEOPLE - _OF_A_PLATE
     different = sorted(key for key in keys if given.get(key) != kept.get(key))
     if not different:
         return None

@@ -11,6 +11,7 @@ from labcal.errors import InputError, InputTypeError, UnknownNameError
 from labcal.run.registration import require_members, require_own_name
 from labcal.run.user_code import Place, imported, user_code
 from labcal.targets.april_grid import AprilGrid
+from labcal.targets.board_set import BoardSet
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.chessboard import Chessboard
 from labcal.targets.coded_dots import CodedDots
@@ -19,6 +20,9 @@ from labcal.targets.target import PrintableTarget, Target
 
 PLAIN = "dots"
 """The kind of a description without the key `kind`."""
+
+BOARDS = "boards"
+"""The kind of a description with a list of targets."""
 
 Part = Callable[..., Any] | str
 """A function, or where it is (``package.module:function``): imported when it is first used."""
@@ -78,6 +82,12 @@ _SHIPPED = (
         AprilGrid,
         "labcal.detect.april_grid:detect_april_grid",
         "labcal.targets.april_grid_outlines:april_grid_outlines",
+    ),
+    TargetKind(
+        BOARDS,
+        BoardSet,
+        "labcal.detect.boards:detect_boards",
+        "labcal.targets.board_set_outlines:board_set_outlines",
     ),
 )
 _KINDS: dict[str, TargetKind] = {kind.name: kind for kind in _SHIPPED}

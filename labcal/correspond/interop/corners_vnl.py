@@ -206,6 +206,11 @@ def _sources(images: list[str], endings: Mapping[str, str], path: Path) -> list[
 
 def _require_rows_and_columns(target: AnyTarget | Target) -> None:
     """Raise where rows do not stand straight above each other, so that no corners.vnl lists them."""
+    if target.rows < 2:  # noqa: PLR2004 -- a row above another
+        raise InputError(
+            f"A corners.vnl lists a grid of rows and columns, but '{target.name}' has no such grid. Of "
+            "boards side by side, convert each by itself."
+        )
     places = target.points().reshape(target.rows, target.cols, 3)
     if np.ptp(places[..., 0], axis=0).max() > _EQUAL_PITCH * np.ptp(places[..., 0]):
         raise InputError(

@@ -273,7 +273,7 @@ def near(grid: DotGrid) -> Poses:
 def test_a_rig_that_explains_nothing_is_refused(
     see: See, pair: Cameras, grid: DotGrid, poses: Poses, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("labcal.calibrate.handheld.MOST_OFF", 1e-9)
+    monkeypatch.setattr("labcal.calibrate.assembled.MOST_OFF", 1e-9)
     with pytest.raises(InputError, match=r"No rig explains the dots.*the target 'small'"):
         calibrate_handheld(see(pair, grid, poses), grid, "brown5", CENTRES)
 

@@ -112,7 +112,7 @@ def test_what_cannot_be_is_refused(changes: dict[str, object], said: str) -> Non
 def test_an_unknown_kind_in_a_file_is_refused(tmp_path) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001 - pytest's
     path = tmp_path / "x.yaml"
     path.write_text("kind: honeycomb\nname: x\n")
-    with pytest.raises(InputError, match="Known: aprilgrid, charuco"):
+    with pytest.raises(InputError, match="Known: aprilgrid, boards, charuco"):
         load_target(str(path))
 
 

@@ -246,7 +246,7 @@ def test_what_its_file_says_wrongly_is_told(board: Chessboard, tmp_path: Path) -
         load_target(str(path))
     path.write_text(DESCRIPTION.replace("kind: own-chessboard", "kind: dots"))
     expected = (
-        r"'dots' should be one of charuco, coded-dots, chessboard, aprilgrid, own-chessboard, or left out"
+        r"'dots' should be one of charuco, coded-dots, chessboard, aprilgrid, boards, own-chessboard, or left"
     )
     with pytest.raises(InputError, match=expected):
         load_target(str(path))

@@ -1,0 +1,85 @@
+"""Calibration from several boards in the same pictures, on one plate or moved each by itself."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labcal.calibrate.boards.rigid_boards import calibrate_rigid_boards, refuse_freed
+from labcal.calibrate.dot_treatment import DotTreatment
+from labcal.calibrate.handheld import calibrate_handheld
+from labcal.calibrate.handheld_calibration import HandheldCalibration
+from labcal.calibrate.lens_candidates import AUTO
+from labcal.calibrate.single_calibration import HandheldSettings
+from labcal.correspond.detections import Detections
+from labcal.errors import InputError
+from labcal.targets.board_set import BoardSet, Mounting
+
+_MOST_TILT_RAD = 0.02
+"""Between boards with dots: a tenth of the tilts that eccentricities come from."""
+_TIMES, _LEAST_PX = 3.0, 0.1
+"""RMS in the rig over that of the cameras alone, and how much more, from which on boards are doubted."""
+
+
+def calibrate_boards(
+    detections: Detections, boards: BoardSet, lens: str, settings: HandheldSettings
+) -> HandheldCalibration:
+    """Calibrate cameras from several boards.
+
+    Parameters
+    ----------
+    detections : Detections
+        Numbered as dots of the set by :func:`~labcal.correspond.boards_table.on_target`.
+    boards : BoardSet
+    lens : str
+        A lens model by name.
+    settings : HandheldSettings
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        No lens model is named; dots are to be freed; or as of
+        :func:`~labcal.calibrate.handheld.calibrate_handheld`.
+    """
+    if lens == AUTO:
+        raise InputError(
+            f"`lens='{AUTO}'` is for one board. Name a lens for boards side by side ('labcal lens list' "
+            f"shows them), or let one board choose it first: `target='{boards.names[0]}'`."
+        )
+    refuse_freed(settings, boards)
+    if boards.mounting is Mounting.RIGID:
+        return calibrate_rigid_boards(detections, boards, lens, settings)
+    as_declared = replace(settings, dot_places=DotTreatment.DECLARED)
+    return calibrate_handheld(detections, boards, lens, as_declared)
+
+
+def board_warnings(found: HandheldCalibration) -> list[str]:
+    """Return the warnings that boards are not on one plate, or dots on them not parallel, in words."""
+    if found.boards is None:
+        return []
+    return [*_moved(found), *_tilted(found.boards)]
+
+
+def _tilted(boards: BoardSet) -> list[str]:
+    """Return the warning that the eccentricity of dots on tilted boards is computed as of parallel ones."""
+    round_ones = [k for k, board in enumerate(boards.targets) if board.outer_diameters_mm().any()]
+    normals = boards.poses[:, :3, 2]
+    if all(float(normals[0] @ normals[k]) > np.cos(_MOST_TILT_RAD) for k in round_ones):
+        return []
+    words = (
+        "boards with round dots are tilted against the first board: the eccentricity of their dots is "
+        "computed as if they lay parallel. Use boards of corners, or lay the boards flat on one plate"
+    )
+    return [words]
+
+
+def _moved(found: HandheldCalibration) -> list[str]:
+    """Return the warning that boards are not where one plate would have them."""
+    together, alone = found.rms_px, found.rms_alone_px
+    if together < max(_TIMES * alone, alone + _LEAST_PX):
+        return []
+    words = (
+        f"in the rig the dots are off by {together:.2g} px (RMS), each board by itself only by {alone:.2g} "
+        "px: the boards moved relative to each other, or pictures of a view were not taken together. Boards "
+        "that move separately are described with 'mounting: separate'"
+    )
+    return [words]

@@ -1,0 +1,103 @@
+"""Tables of dots of several boards as dots of one target, and back to the boards."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from labcal.correspond.detections import Detections
+from labcal.errors import InputError
+from labcal.targets.board_set import BoardSet, Mounting
+from labcal.targets.catalogue import AnyTarget
+from labcal.targets.target import Target
+from labcal.wording import listed
+
+
+def on_target(table: Detections, target: Target) -> Detections:
+    """Return the dots of a table with the numbers of a target, which may be a set of boards.
+
+    Parameters
+    ----------
+    table : Detections
+        With the board of each dot where pictures show several.
+    target : Target
+        A set: its dots are numbered one after the other, board by board, and views of boards that move
+        separately become views of their own, named ``VIEW-BOARD``. One board: the dots of other boards are
+        left out.
+
+    Raises
+    ------
+    InputError
+        The table does not state boards, though the target has several; a board in it is none of the target's,
+        or a dot is not on its board.
+    """
+    if not isinstance(target, BoardSet):
+        return _of_one(table, target)
+    if not table.boards:
+        if len(table) == 0 or not table.has_id.any():
+            return table
+        raise InputError(
+            f"The table does not state the boards of its dots, but '{target.name}' has several "
+            f"({listed(target.names)}). Find the dots by the same targets in one table: "
+            "`target=['A', 'B']` of 'detect', which names the board of each."
+        )
+    unknown = [name for name in table.boards if name not in target.names]
+    if unknown:
+        raise InputError(
+            f"The table holds dots of the board '{unknown[0]}', but '{target.name}' has "
+            f"{listed(target.names)}. Name the boards by which the dots were found."
+        )
+    index = np.zeros_like(table.index)
+    for board, span in zip(target.targets, target.spans, strict=True):
+        mine = table.board == board.name
+        col, row = table.index[mine].T
+        inside = (col >= 0) & (row >= 0) & (col < board.cols) & (row < board.rows)
+        if not inside[table.ok[mine]].all():
+            at = np.flatnonzero(mine)[~inside & table.ok[mine]][0]
+            raise InputError(
+                f"{table.words(int(at))} is not on the board, which has {board.cols} x {board.rows}. Name "
+                "the boards that the pictures show."
+            )
+        index[mine, 0] = np.where(inside, span.start + row * board.cols + col, 0)
+    found = replace(table, index=index, board=np.full(len(table), ""))
+    if target.mounting is Mounting.SEPARATE:
+        return by_board(found, table.board)
+    return found
+
+
+def each_board(table: Detections, target: AnyTarget) -> tuple[Detections, AnyTarget]:
+    """Return dots and target for work that takes one board a view: of a set, each board is a view of its own.
+
+    Raises
+    ------
+    InputError
+        As of :func:`on_target`.
+    """
+    if isinstance(target, BoardSet):
+        target = target.model_copy(update={"mounting": Mounting.SEPARATE, "places": None})
+    return on_target(table, target), target
+
+
+def by_board(table: Detections, board: np.ndarray) -> Detections:
+    """Return a table in which the dots of each board are a view of their own, named ``VIEW-BOARD``.
+
+    Parameters
+    ----------
+    table : Detections
+    board : ndarray of str, shape (n,)
+        Names of the boards; of dots without an id, which stay in their view, empty.
+    """
+    named = [f"{view}-{name}" if name else view for view, name in zip(table.view, board, strict=True)]
+    return replace(table, view=np.array(named, dtype=np.str_))
+
+
+def _of_one(table: Detections, target: Target) -> Detections:
+    """Return the dots of one board of a table; a table that states no boards as it is."""
+    if not table.boards:
+        return table
+    if target.name not in table.boards:
+        raise InputError(
+            f"The table holds dots of the boards {listed(table.boards)}, and none of '{target.name}'. Name "
+            "one of these boards, or all of them."
+        )
+    mine = table.where((table.board == target.name) | (table.board == ""))
+    return replace(mine, board=np.full(len(mine), ""))
