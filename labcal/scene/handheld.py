@@ -49,8 +49,8 @@ class Shape:
     dots: Float64[np.ndarray, "n few 3"]
     """On the outlines of all dots."""
     key: Float64[np.ndarray, "key many 3"]
-    """On the outlines of the rings, of which nothing may be missed; of all dots of a grid without rings; of the
-    corners that number a chessboard."""
+    """On the outlines of the rings, of which nothing may be missed; of all dots of a grid without rings;
+    of the corners that number a chessboard."""
 
     @classmethod
     def of(cls, target: PrintableTarget) -> "Shape":

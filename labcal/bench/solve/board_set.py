@@ -54,6 +54,7 @@ _IN_SIGHT = 0.7
 """Share of the places of a board that both cameras see at least."""
 _FRAME_PX = 8.0
 """Distance from the frame of a place that is in sight."""
+_MOST_SIGMAS = 3.0
 _WRONG = 0.25
 """Distance from its true place at which a measured place has a wrong id, in steps between places."""
 
@@ -87,16 +88,20 @@ class BoardFigures(BaseModel):
         Squared errors of places in units of their covariance, a coordinate.
     residual : float
         RMS residual of the calibration over what the covariances of the places leave to expect.
-    parameters : float
-        Squared errors of the cameras in units of their covariance, a parameter.
+    parameters : int
+        Of both cameras.
+    mean_square : float
+        Their squared errors in units of their covariance, a parameter.
     worst : float
         Largest error of a single parameter in units of its standard deviation.
+    beyond : int
+        Parameters that are off by more than three of them.
     coverage : float
         Share of points of views that were held out within their 95% ellipsoids.
     error_mm, stated_mm : float
         RMS 3-D error of these points, and what is stated.
-    warnings : tuple of str
-        Of the calibration.
+    warned : bool
+        `calibrate` warns that views disagree, or that the lens lacks coefficients.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -109,8 +114,10 @@ class BoardFigures(BaseModel):
     stated_px: Measured
     normalised: Measured
     residual: Measured
-    parameters: Measured
+    parameters: int
+    mean_square: Measured
     worst: Measured
+    beyond: int
     coverage: Measured
     error_mm: Measured
     stated_mm: Measured
@@ -145,8 +152,10 @@ def measured_board_set(case: BoardSet) -> BoardFigures:
         stated_px=_stated(covariance),
         normalised=float(np.einsum("ni,nij,nj->n", error, np.linalg.inv(covariance), error).mean() / 2.0),
         residual=_residual(found, dots.where(~held)),
-        parameters=errors.mean_square,
-        worst=errors.worst,
+        parameters=len(errors.error),
+        mean_square=errors.mean_square,
+        worst=float(errors.sigmas.max()),
+        beyond=int((errors.sigmas > _MOST_SIGMAS).sum()),
         coverage=coverage(off[usable], points.covariance[usable]),
         error_mm=_rms(off[usable]),
         stated_mm=_stated(points.covariance[usable]),

@@ -31,9 +31,9 @@ class CameraErrors:
         return float(self.error @ np.linalg.solve(self.covariance, self.error) / len(self.error))
 
     @property
-    def worst(self) -> float:
-        """The largest error of a parameter in units of its own standard deviation."""
-        return float((np.abs(self.error) / np.sqrt(np.diagonal(self.covariance))).max())
+    def sigmas(self) -> Float64[np.ndarray, " n"]:
+        """The size of each error in units of its own standard deviation."""
+        return np.asarray(np.abs(self.error) / np.sqrt(np.diagonal(self.covariance)))
 
 
 def camera_errors(
