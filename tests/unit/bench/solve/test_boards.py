@@ -9,8 +9,8 @@ from labcal.bench.solve.camera_errors import CameraErrors
 
 GOOD = BoardFigures(
     pictures=32, indexed=32, wrong=0, places=1700, error_px=0.02, stated_px=0.02, normalised=1.0,
-    residual=1.0, parameters=24, mean_square=1.0, worst=2.1, beyond=0, coverage=0.95, error_mm=0.1, stated_mm=0.1,
-    warned=False,
+    residual=1.0, parameters=24, mean_square=1.0, worst=2.1, beyond=0, coverage=0.95, error_mm=0.1,
+    stated_mm=0.1, warned=False,
 )  # fmt: skip
 
 
