@@ -36,7 +36,8 @@ def add_parser(commands: CommandGroup) -> None:
         "coded-dots, tags, marks-in-space, chessboards; of solve: limits, training, adjustment, mistakes, "
         "coverage, certify, check, compare, rehearse, real, mrcal, and budget, which are all that the error "
         "budget rests on (coverage to real, and the marks of detect); diagnose (mistaken shoots that are "
-        "named) and guided are measured only where they are named here",
+        "named), guided and boards (calibrations by boards of every kind) are measured only where they are "
+        "named here",
     )
     parser.add_argument(
         "--method",

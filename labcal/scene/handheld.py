@@ -49,7 +49,8 @@ class Shape:
     dots: Float64[np.ndarray, "n few 3"]
     """On the outlines of all dots."""
     key: Float64[np.ndarray, "key many 3"]
-    """On the outlines of the rings, of which nothing may be missed; of all dots of a grid without rings."""
+    """On the outlines of the rings, of which nothing may be missed; of all dots of a grid without rings;
+    of the corners that number a chessboard."""
 
     @classmethod
     def of(cls, target: PrintableTarget) -> "Shape":
@@ -81,7 +82,8 @@ def handheld_poses(scene: Scene, seed: int) -> list[Pose]:
         raise InputError(
             f"Only {len(candidates)} of {wanted} hand-held poses of the scene '{scene.name}' show enough of "
             "the target to all cameras. Move placement.centre_mm away from the cameras, or lessen spread_mm, "
-            "tilt_max_deg or visible_share."
+            "tilt_max_deg or visible_share; with all_rings: false the rings, or all of a plain grid or "
+            "chessboard, need not be seen."
         )
     chosen = []
     for count in (placement.train, placement.test):

@@ -172,7 +172,8 @@ class Handheld(BaseModel):
     visible_share: Annotated[float, Field(gt=0, le=1)] = 0.6
     """Share of the dots that every camera must see whole."""
     all_rings: bool = True
-    """True if every camera must see all three rings whole, or all dots if there are no rings."""
+    """True if every camera must see all three rings whole, or all dots if there are no rings; of a
+    chessboard the corners of its marked squares, or all."""
 
     @model_validator(mode="after")
     def _has_views(self) -> "Handheld":

@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.errors import InputError
+from labcal.targets.chessboard import Chessboard
 from labcal.targets.grid import DotGrid, GridIndex
 from labcal.targets.registry import kind_of
 from labcal.targets.target import PrintableTarget
@@ -16,8 +17,13 @@ def steps_mm(target: PrintableTarget) -> Float64[np.ndarray, "2"]:
 
 
 def key_indices(target: PrintableTarget) -> tuple[GridIndex, ...]:
-    """Return (col, row) of the dots that must be seen to number the others: none where all are coded."""
-    return target.key_indices if isinstance(target, DotGrid) else ()
+    """Return (col, row) of the places that must be seen to number the others: none where all are coded.
+
+    Of a chessboard these are the corners of the squares with marks; of one without marks all corners.
+    """
+    if isinstance(target, DotGrid | Chessboard):
+        return target.key_indices
+    return ()
 
 
 def grid_of(target: PrintableTarget, who: str) -> DotGrid:

@@ -9,6 +9,8 @@ from jaxtyping import Bool, Float32, Float64, Shaped
 _WINDOW = 15  # px: an edge's two sides lie within, unless it is blurred by more than some 4 px
 _STRONG = 99.5  # percentile of the gradient that counts as a strong edge
 _ABOVE_NOISE = 8.0  # contrast of an edge over the usual gradient between pixels
+_STANDS_OUT = 5.0
+"""Gradient of an edge over the usual one: of noise (Rayleigh) one pixel in 2^25 exceeds that."""
 _DIRECTIONS = 4
 _FEWEST_EDGES = 20
 
@@ -76,7 +78,8 @@ def edge_directions(picture: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray
     """Return the widths of strong edges (px) by the direction in which they rise; NaN where there are few.
 
     Directions are 0, 45, 90 and 135 degrees from the rows, each with 22.5 degrees to both sides. Defocus
-    makes edges of all directions as wide; motion only those that it crosses.
+    makes edges of all directions as wide; motion only those that it crosses. A board of squares may have
+    edges of two directions alone; in the others the noise beside its edges is none.
 
     Parameters
     ----------
@@ -86,9 +89,10 @@ def edge_directions(picture: Shaped[np.ndarray, "*shape"]) -> Float64[np.ndarray
     if edges is None:
         return np.full(_DIRECTIONS, np.nan)
     bins = np.round(edges.angle / (np.pi / _DIRECTIONS)).astype(np.int64) % _DIRECTIONS
+    clear = edges.gradient > _STANDS_OUT * float(np.median(edges.gradient))
     widths = np.full(_DIRECTIONS, np.nan)
     for direction in range(_DIRECTIONS):
-        of = edges.steepness(bins == direction)
+        of = edges.steepness(bins == direction, clear)
         if len(of) >= _FEWEST_EDGES:
             widths[direction] = 1.0 / np.median(of)
     return widths
@@ -117,11 +121,13 @@ class _Edges:
         crest = gradient >= cv2.dilate(gradient, np.ones((3, 3), dtype=np.uint8))
         return cls(gradient, np.arctan2(y, x), crest, contrast)
 
-    def steepness(self, among: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, " n"]:
-        """Return the steepness of the strong edges among some pixels, 1/px."""
+    def steepness(
+        self, among: Bool[np.ndarray, "h w"], clear: Bool[np.ndarray, "h w"]
+    ) -> Float32[np.ndarray, " n"]:
+        """Return the steepness of the strong edges among some pixels that are clear of noise, 1/px."""
         if not among.any():
             return np.zeros(0, dtype=np.float32)
-        strong = among & self.crest & (self.gradient > 0)
+        strong = among & clear & self.crest & (self.gradient > 0)
         strong &= self.gradient >= np.percentile(self.gradient[among], _STRONG) / 2
         strong &= self.contrast > _ABOVE_NOISE * float(np.median(self.gradient))
         return np.asarray(self.gradient[strong] / self.contrast[strong])
@@ -139,5 +145,8 @@ def _grey(picture: Shaped[np.ndarray, "*shape"]) -> Float32[np.ndarray, "h w"]:
 def _sharpness(grey: Float32[np.ndarray, "h w"]) -> float:
     """Return the steepness of strong edges, 1/px."""
     edges = _Edges.of(grey)
-    steepness = edges.steepness(np.ones_like(edges.crest)) if edges is not None else np.zeros(0)
+    if edges is None:
+        return float("nan")
+    everywhere = np.ones_like(edges.crest)
+    steepness = edges.steepness(everywhere, everywhere)
     return float(np.median(steepness)) if len(steepness) else float("nan")

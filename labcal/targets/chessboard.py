@@ -122,6 +122,14 @@ class Chessboard(CornerBoard):
         first = 0 if self.lower_left is SquareColour.BLACK else 1
         return np.asarray((i + j + first) % 2 == 0)
 
+    @property
+    def key_indices(self) -> tuple[tuple[int, int], ...]:
+        """The (col, row) of the corners that must be seen to number the others: of marks, else all."""
+        if self.marks:
+            around = {(i + di, j + dj) for i, j in self.marks for di in (-1, 0) for dj in (-1, 0)}
+            return tuple(sorted(around, key=lambda corner: corner[::-1]))
+        return tuple((col, row) for row in range(self.rows) for col in range(self.cols))
+
     def indices(self) -> DotIndices:
         """Return (col, row) of every corner, row by row from corner (0, 0), shape (count, 2), integer."""
         row, col = np.divmod(np.arange(self.count), self.cols)

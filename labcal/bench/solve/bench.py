@@ -11,6 +11,7 @@ from labcal.bench.marks.in_space import marks_in_space_findings
 from labcal.bench.marks.tags import tag_findings
 from labcal.bench.settings import BenchSettings
 from labcal.bench.solve.adjustment import adjustment_findings
+from labcal.bench.solve.boards import board_findings
 from labcal.bench.solve.budget import budget_findings
 from labcal.bench.solve.certify import certify_findings
 from labcal.bench.solve.check import check_findings
@@ -30,7 +31,18 @@ from labcal.wording import listed
 
 _OF_METHODS = "limits"
 _OF_CASES = frozenset(
-    (_OF_METHODS, "mistakes", "coverage", "certify", "check", "compare", "rehearse", "diagnose", "guided")
+    (
+        _OF_METHODS,
+        "mistakes",
+        "coverage",
+        "certify",
+        "check",
+        "compare",
+        "rehearse",
+        "diagnose",
+        "guided",
+        "boards",
+    )
 )
 """Groups whose cases may be done by a cluster."""
 GROUPS: Groups = {
@@ -52,7 +64,7 @@ _OF_MARKS: Groups = {
     "marks-in-space": marks_in_space_findings,
 }
 """Groups of ``labcal bench detect`` that are a part of the budget."""
-_OF_SHOOTS: Groups = {"diagnose": diagnose_findings, "guided": guided_findings}
+_OF_SHOOTS: Groups = {"diagnose": diagnose_findings, "guided": guided_findings, "boards": board_findings}
 """Groups of many simulated shoots, which are measured only where they are named."""
 TOGETHER: Mapping[str, tuple[str, ...]] = {
     "budget": ("coverage", "certify", "check", "compare", "rehearse", "real", *_OF_MARKS)

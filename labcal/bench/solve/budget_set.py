@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Vectors3
 from labcal.bench.solve.budget_rigs import KINDS, PairKind
+from labcal.bench.solve.camera_errors import camera_errors
 from labcal.bench.solve.pair_dots import CAMERAS, pair_dots
 from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
@@ -209,14 +210,4 @@ def _per_parameter(
     """Return the mean square of the cameras' errors in units of their covariance."""
     if any(one.lens != other.lens for one, other in zip(found, true, strict=True)):
         return float("nan")
-    off: list[float] = []
-    for number, (one, other) in enumerate(zip(found, true, strict=True)):
-        off += [*np.subtract(one.intrinsics, other.intrinsics), *(one.dist - other.dist)]
-        if number:
-            turn = one.T_cam_world[:3, :3] @ other.T_cam_world[:3, :3].T
-            off += [
-                *rotation_vector(pose(turn, np.zeros(3))),
-                *(one.T_cam_world[:3, 3] - other.T_cam_world[:3, 3]),
-            ]
-    error = np.array(off)
-    return float(error @ np.linalg.solve(covariance, error) / len(error))
+    return camera_errors(found, true, covariance).mean_square

@@ -100,3 +100,19 @@ def test_a_share_that_no_pose_shows_is_an_error_that_says_what_to_change() -> No
     )
     with pytest.raises(InputError, match="visible_share"):
         handheld_poses(scene, 0)
+
+
+@pytest.mark.parametrize(("name", "corners"), [("chessboard-9x6", 54), ("chessboard-marked-13x8", 8)])
+def test_chessboards_are_held_so_that_they_can_be_numbered(name: str, corners: int) -> None:
+    near = ("placement.centre_mm=[1000, 250, 900]", "placement.spread_mm=[150, 100, 100]")
+    scene = load_scene("still-handheld", (f"target={name}", *near))
+    key = np.array([row * scene.target.cols + col for col, row in scene.target.key_indices])
+    assert len(key) == corners
+    seen = []
+    for T_world_target in handheld_poses(scene, 0):
+        p = scene.target.points() @ T_world_target[:3, :3].T + T_world_target[:3, 3]
+        for camera in scene.true_cameras().values():
+            inside = camera.in_picture(camera.project(p).q)
+            assert inside[key].all()
+            seen.append(inside.mean())
+    assert (min(seen) == 1.0) == (corners == scene.target.count)  # marked ones run out of the frame

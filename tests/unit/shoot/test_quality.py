@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import erf, ndtr
 
-from labcal.shoot.quality import picture_quality, saturated
+from labcal.shoot.quality import edge_directions, picture_quality, saturated
 
 
 def discs(blur_px: float, low: float = 50.0, high: float = 200.0) -> np.ndarray:
@@ -52,3 +52,22 @@ def test_exposure_counts_pixels_with_a_channel_at_full_scale() -> None:
     assert saturated(picture).sum() == 10
     assert picture_quality(np.full((4, 5), 65535, np.uint16)).saturated_share == 1.0
     assert picture_quality(np.full((4, 5), 255, np.uint16)).saturated_share == 0.0
+
+
+def squares(turn_deg: float, blur_px: float) -> np.ndarray:
+    """Return a chessboard, turned, with noise of 2 levels."""
+    y, x = np.mgrid[:400, :500].astype(np.float64)
+    turn = np.radians(turn_deg)
+    u, v = (x * np.cos(turn) + y * np.sin(turn)) / 40.0, (y * np.cos(turn) - x * np.sin(turn)) / 40.0
+    wave = [np.sin(np.pi * along) / np.pi * 40.0 for along in (u, v)]
+    black = 2.0 * (ndtr(wave[0] / blur_px) - 0.5) * (ndtr(wave[1] / blur_px) - 0.5) + 0.5
+    noise = np.random.default_rng(0).normal(0, 2, black.shape)
+    return np.clip(200.0 - 150.0 * black + noise, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("turn_deg", [0.0, 8.0, 30.0, 45.0])
+def test_directions_without_edges_of_a_chessboard_have_no_width(turn_deg: float) -> None:
+    widths = edge_directions(squares(turn_deg, 1.0))
+    known = np.isfinite(widths)
+    assert known.sum() >= 2
+    assert widths[known].max() < 1.5 * picture_quality(squares(turn_deg, 1.0)).edge_width_px

@@ -32,7 +32,7 @@ def test_budget_stands_for_all_that_it_rests_on_and_each_is_measured_once(
     measured.clear()
     bench.bench_solve(tmp_path / "all", BenchSettings(), NoProgress())
     assert measured == list(bench.GROUPS)
-    assert not {"diagnose", "guided"}.intersection(measured)
+    assert not {"diagnose", "guided", "boards"}.intersection(measured)
 
 
 def test_an_unknown_group_is_refused_with_the_nearest_name(tmp_path: Path) -> None:

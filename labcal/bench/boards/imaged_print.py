@@ -1,0 +1,124 @@
+"""Drawn pictures of the print of a target of any kind, seen through a camera with its lens, in even light."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+from scipy.ndimage import map_coordinates
+
+from labcal.arrays import Mask, Pixels, Pose
+from labcal.cameras.camera import Camera
+from labcal.geometry.poses import inverse, transform
+from labcal.guide.rehearsal.drawn_view import BACKGROUND, board_edge, cut_out, relative_light, taken_picture
+from labcal.render.sensor_response import Shot
+from labcal.scene.board import Board
+from labcal.scene.photometry import Photometry
+from labcal.targets.ink_distance import InkDistance, ink_distance
+from labcal.targets.target import PrintableTarget
+
+_FINER = 4
+"""Samples along a side of a pixel. Ink changes in a line across a sample at an edge, so that more of them do
+not move an edge."""
+
+
+@dataclass(frozen=True)
+class ImagedPrint:
+    """A picture around a target, and the images of its places.
+
+    Attributes
+    ----------
+    picture : ndarray, (h, w) or (h, w, 3)
+        As the camera delivers it, cut out around the target.
+    corner : ndarray of int, shape (2,)
+        Pixel of the whole picture that is the first one of the cut-out.
+    places : ndarray, shape (n, 2)
+        True images of all places of the target, px of the whole picture; NaN where there is none.
+    in_frame : ndarray of bool, shape (n,)
+        Which of them lie in the picture.
+    """
+
+    picture: np.ndarray
+    corner: np.ndarray
+    places: Pixels
+    in_frame: Mask
+
+
+@dataclass(frozen=True)
+class DrawnPrint:
+    """The print of a target, to be drawn many times."""
+
+    target: PrintableTarget
+    field: InkDistance
+
+    @classmethod
+    def of(cls, target: PrintableTarget) -> "DrawnPrint":
+        """Return the print of a target as it is designed."""
+        return cls(target, ink_distance(target))
+
+    def seen(self, camera: Camera, T_world_target: Pose, photometry: Photometry, shot: Shot) -> ImagedPrint:
+        """Return the picture that a camera takes of the print.
+
+        Parameters
+        ----------
+        camera : Camera
+        T_world_target : ndarray, shape (4, 4)
+            Mm.
+        photometry : Photometry
+        shot : Shot
+            For which noise is drawn.
+        """
+        edge = camera.project(transform(T_world_target, board_edge(self.target)))
+        corner, end = cut_out(camera, edge.q[edge.ok])
+        light = self._light(camera, T_world_target, corner, end) * relative_light(
+            camera, photometry, corner, end
+        )
+        images = camera.project(transform(T_world_target, self.target.points()))
+        return ImagedPrint(
+            picture=taken_picture(light.astype(np.float32), photometry, shot),
+            corner=corner,
+            places=images.q,
+            in_frame=np.asarray(images.ok & camera.in_picture(images.q)),
+        )
+
+    def _light(
+        self, camera: Camera, T_world_target: Pose, corner: np.ndarray, end: np.ndarray
+    ) -> Float64[np.ndarray, "h w"]:
+        """Return the reflectance that each pixel of a cut-out sees.
+
+        Rays are those of the pixels' centres; within a pixel, places on the board change in a line.
+        """
+        u, v = np.meshgrid(*(np.arange(first, last) for first, last in zip(corner, end, strict=True)))
+        ray = camera.rays(np.stack([u, v], axis=-1).astype(np.float64))
+        T_target_world = inverse(T_world_target)
+        origin = transform(T_target_world, ray.origin)
+        direction = ray.direction @ T_target_world[:3, :3].T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            places = origin - direction * (origin[..., 2:] / direction[..., 2:])
+        x, y = places[..., 0], places[..., 1]
+        (x_down, x_along), (y_down, y_along) = np.gradient(x), np.gradient(y)
+        sample_mm = np.sqrt(np.abs(x_along * y_down - x_down * y_along)) / _FINER
+        x_min, y_min, x_max, y_max = self.target.extent_mm
+        paper, ink = Board().light[0], Board().dark[0]
+        if self.target.is_white_on_black:
+            paper, ink = ink, paper
+        light = np.zeros(x.shape)
+        offsets = (np.arange(_FINER) + 0.5) / _FINER - 0.5
+        for down in offsets:
+            for along in offsets:
+                at_x, at_y = x + along * x_along + down * x_down, y + along * y_along + down * y_down
+                on_board = (at_x > x_min) & (at_x < x_max) & (at_y > y_min) & (at_y < y_max)
+                covered = np.zeros(x.shape)
+                inked = self._distance(at_x[on_board], at_y[on_board]) / sample_mm[on_board]
+                covered[on_board] = np.clip(0.5 + inked, 0.0, 1.0)
+                light += np.where(on_board, paper + covered * (ink - paper), BACKGROUND)
+        return light / _FINER**2
+
+    def _distance(
+        self, x: Float64[np.ndarray, " n"], y: Float64[np.ndarray, " n"]
+    ) -> Float64[np.ndarray, " n"]:
+        """Return the signed distance of places from the nearest edge of the print, mm, positive on ink."""
+        steps = [
+            (along - first) / self.field.step_mm
+            for along, first in zip((y, x), self.field.origin[::-1], strict=True)
+        ]
+        return np.asarray(map_coordinates(self.field.distance, steps, np.float64, order=1, mode="nearest"))

@@ -1,0 +1,108 @@
+"""Calibrations by boards of every kind: pictures that are numbered, errors of cameras and of points.
+
+Pictures are drawn and measured by the detector, so that errors of places, their covariances, and the
+calibration are judged together, on as many sets as a coverage takes. Dots go the same way, for comparison.
+"""
+
+import numpy as np
+
+from labcal.bench.groups import Bench, Findings
+from labcal.bench.solve.board_set import BOARDS, BoardFigures, BoardSet, measured_board_set
+from labcal.bench.solve.budget import standard_error
+from labcal.report.bench import Check, Figure, at_most
+from labcal.run.cases import run_cases
+
+SETS, QUICK_SETS = 30, 3
+"""Of each board."""
+MOST_SIGMAS = 3.0
+"""Error of a parameter, in standard deviations, within which a calibration is right."""
+LEAST_COVERAGE = 0.90
+_BEYOND = 0.0027
+"""Share of normal errors beyond three standard deviations."""
+MOST_OVER_STATED = 1.2
+MOST_WARNED = 0.05
+"""Share of sets, all of which are right, with a warning that residuals hold more than chance."""
+MOST_NOT_INDEXED = 0.01
+_CHANCE = 2.6
+"""Standard errors that chance is granted: of a hundred good ones, one is beyond."""
+
+
+def board_findings(bench: Bench) -> Findings:
+    """Return the checks of calibrations by each kind of board."""
+    seeds = range(bench.seed, bench.seed + (QUICK_SETS if bench.quick else SETS))
+    cases = [BoardSet(board, seed) for board in BOARDS for seed in seeds]
+    with bench.executor(len(cases)) as executor:
+        found = run_cases(
+            cases, measured_board_set, BoardFigures, bench.folder / "boards", executor, bench.progress
+        )
+    checks: list[Check] = []
+    figures: list[Figure] = []
+    for number, board in enumerate(BOARDS):
+        sets = found[number * len(seeds) : (number + 1) * len(seeds)]
+        checks += board_checks(board, sets)
+        figures += _figures(board, sets)
+    return Findings(checks, figures)
+
+
+def board_checks(board: str, sets: list[BoardFigures]) -> list[Check]:
+    """Return the checks of the sets of one board.
+
+    Parameters
+    ----------
+    board : str
+        Its kind.
+    sets : list of BoardFigures
+        Two or more.
+
+    Notes
+    -----
+    Of parameters whose errors are normal a few are beyond three standard deviations; their number is held
+    against the binomial distribution, with as many standard errors for chance as everywhere.
+    """
+    title = f"boards, {board}, {len(sets)} sets"
+    parameters = sum(one.parameters for one in sets)
+    beyond = sum(one.beyond for one in sets)
+    chance = parameters * _BEYOND + _CHANCE * float(np.sqrt(parameters * _BEYOND))
+    shares = np.array([one.coverage for one in sets])
+    refused = 1.0 - sum(one.indexed for one in sets) / sum(one.pictures for one in sets)
+    return [
+        at_most(f"{title}: share of pictures not indexed", refused, MOST_NOT_INDEXED),
+        at_most(f"{title}: wrong ids", float(sum(one.wrong for one in sets)), 0.0),
+        at_most(f"{title}: of {parameters} parameters, those beyond {MOST_SIGMAS:g} standard deviations",
+                float(beyond), chance),
+        at_most(f"{title}: coverage of points of held-out views below {LEAST_COVERAGE:g}",
+                LEAST_COVERAGE - float(shares.mean()), _CHANCE * standard_error(shares)),
+        at_most(f"{title}: RMS error of places over the one stated",
+                _root(sets, "error_px") / _root(sets, "stated_px"), MOST_OVER_STATED),
+        at_most(f"{title}: share of sets that calibrate warns of",
+                float(np.mean([one.warned for one in sets])),
+                MOST_WARNED + _CHANCE * float(np.sqrt(MOST_WARNED / len(sets)))),
+    ]  # fmt: skip
+
+
+def _figures(board: str, sets: list[BoardFigures]) -> list[Figure]:
+    title = f"boards, {board}"
+    mean = {
+        "squared errors of places in units of their covariance, a coordinate": "normalised",
+        "squared errors of cameras in units of their covariance, a parameter": "mean_square",
+        "RMS residual over what covariances leave": "residual",
+        "largest error of a parameter in a set, standard deviations": "worst",
+        "coverage of points of held-out views": "coverage",
+    }
+    root = {
+        "RMS error of places, px": "error_px",
+        "RMS error of points, mm": "error_mm",
+        "stated RMS error of points, mm": "stated_mm",
+    }
+    return [
+        *(
+            Figure(name=f"{title}: {words}", value=float(np.mean([getattr(one, part) for one in sets])))
+            for words, part in mean.items()
+        ),
+        *(Figure(name=f"{title}: {words}", value=_root(sets, part)) for words, part in root.items()),
+    ]
+
+
+def _root(sets: list[BoardFigures], part: str) -> float:
+    """Return the root of the mean square of a figure over sets."""
+    return float(np.sqrt(np.mean([getattr(one, part) ** 2 for one in sets])))
