@@ -48,6 +48,9 @@ class PictureDots:
         same after half a turn, three of a square one; empty if the picture determines it.
     detail : str
         Sentence on what was seen where the picture is refused, for people; may be empty.
+    part : PictureDots or None
+        Of a picture that is refused since it shows a part of a board whose dots are all alike: the dots as
+        measured, with ids at one of the places where they fit; its `others` are those at the other places.
     """
 
     size: tuple[int, int]
@@ -63,6 +66,7 @@ class PictureDots:
     outline: PixelCovariances
     others: tuple[Int[np.ndarray, "n 2"], ...] = ()
     detail: str = ""
+    part: "PictureDots | None" = None
 
     @property
     def indexed(self) -> bool:

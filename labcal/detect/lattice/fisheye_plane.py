@@ -90,9 +90,7 @@ def fitted_fisheye_plane(
     return plane if (ahead > 0).all() else None
 
 
-def _plane(
-    nodes: Float64[np.ndarray, "n 2"], seen: Pixels, centre: np.ndarray, focal: float
-) -> FisheyePlane:
+def _plane(nodes: Float64[np.ndarray, "n 2"], seen: Pixels, centre: np.ndarray, focal: float) -> FisheyePlane:
     """Return the plane under a focal length whose directions are those of the pixels (DLT)."""
     d, places = _directions(seen, centre, focal), _homogeneous(nodes)
     none = np.zeros_like(places)
