@@ -66,7 +66,8 @@ class _Seen:
 
     def relative(self, numbering: int) -> Pose:
         """Return the second camera relative to the first one, mm."""
-        return self.T_second_board[numbering] @ inverse(self.T_first_board)
+        T: Pose = self.T_second_board[numbering] @ inverse(self.T_first_board)
+        return T
 
     def best(self, T_second_first: Pose) -> int:
         """Return the numbering whose pose in the second camera is nearest to that by the first one."""

@@ -43,7 +43,7 @@ def in_part(whole: PictureDots, target: DotGrid, rng: np.random.Generator) -> Pi
         places = index @ turn.T
         low, high = places.min(axis=0), places.max(axis=0)
         found += [
-            places + [right, up]
+            places + np.array([right, up])
             for right in range(-low[0], target.cols - high[0])
             for up in range(-low[1], target.rows - high[1])
         ]
@@ -77,7 +77,9 @@ def placed(
     sources, pictures, ids = [], [], []
     for view, T in enumerate(held(tilt, views, rng)):
         left, right = (seen(camera, T, PLAIN, rng) for camera in pair.values())
-        ids.append(dict(zip(map(tuple, right.position.tolist()), map(tuple, right.index.tolist()), strict=True)))
+        pairs = zip(right.position.tolist(), right.index.tolist(), strict=True)
+        ids.append({tuple(q): tuple(index) for q, index in pairs})
+        )
         pictures += [left, in_part(right, PLAIN, rng)]
         sources += [Source(f"v{view}", name, f"{view}_{name}.png", None) for name in pair]
     return place_parts(sources, pictures, PLAIN)[1::2], ids
