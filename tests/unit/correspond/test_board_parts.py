@@ -79,7 +79,6 @@ def placed(
         left, right = (seen(camera, T, PLAIN, rng) for camera in pair.values())
         pairs = zip(right.position.tolist(), right.index.tolist(), strict=True)
         ids.append({tuple(q): tuple(index) for q, index in pairs})
-        )
         pictures += [left, in_part(right, PLAIN, rng)]
         sources += [Source(f"v{view}", name, f"{view}_{name}.png", None) for name in pair]
     return place_parts(sources, pictures, PLAIN)[1::2], ids
