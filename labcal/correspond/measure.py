@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from labcal.arguments import object_of, wrong_type
+from labcal.correspond.board_parts import place_parts
 from labcal.correspond.detections import Detections
 from labcal.correspond.gathering import gather
 from labcal.correspond.orientation import resolve_orientation
@@ -96,7 +97,8 @@ def measure_pictures(
     is a result with a reason, as one that cannot be read: the other pictures are as good as without it.
     The tone curve is undone first; linear: the values are taken for light as they are. The settings are those
     of :func:`labcal.detect.detector.detect_dots`, in every process.
-    Where the dots are all alike, the cameras' numberings are made to agree (`labcal.correspond.orientation`).
+    Where the dots are all alike, the cameras' numberings are made to agree (`labcal.correspond.orientation`),
+    and parts are placed by a camera that sees the board whole (`labcal.correspond.board_parts`).
     """
     progress.start("detecting dots", len(sources))
     cases = [(source, target, tone_curve, settings) for source in sources]
@@ -108,7 +110,8 @@ def agreed(found: Sequence[Measurement], target: AnyTarget | PrintedTarget) -> l
     readable = [measurement for measurement in found if measurement.dots is not None]
     pictures = [measurement.dots for measurement in readable if measurement.dots is not None]
     design = target.target if isinstance(target, PrintedTarget) else target
-    resolved = iter(resolve_orientation([measurement.source for measurement in readable], pictures, design))
+    sources = [measurement.source for measurement in readable]
+    resolved = iter(place_parts(sources, resolve_orientation(sources, pictures, design), design))
     return [
         measurement if measurement.dots is None else _measurement(measurement.source, next(resolved))
         for measurement in found

@@ -5,15 +5,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labcal.detect.corners.board_lattice import find_board_lattices
-from labcal.detect.corners.board_numbering import SeenBoard, number_board
+from labcal.detect.corners.board_numbering import SeenBoard, number_board, part_numberings
 from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
 from labcal.detect.corners.picture_corners import picture_corners
 from labcal.detect.corners.reduced import Reduced, reduced_pictures
-from labcal.detect.corners.saddles import find_saddles
+from labcal.detect.corners.saddles import Saddles, find_saddles
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.rings import Numbering
 from labcal.detect.lattice.rough_undistortion import NONE
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
@@ -22,11 +23,15 @@ from labcal.targets.chessboard import Chessboard
 
 @dataclass(frozen=True)
 class _Found:
-    """A board in a picture: rough corners with their ids, or a refusal; and how many were seen."""
+    """A board in a picture: rough corners with their ids, or a refusal; and how many were seen.
+
+    Corners of a part of a board have ids under the first of its numberings.
+    """
 
     corners: Corners
     refusal: Refusal | None
     seen: int
+    numberings: tuple[Numbering, ...] = ()
 
 
 def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSettings) -> PictureDots:
@@ -50,7 +55,8 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     """
     found = _found(grey, board, settings)
     if found.refusal is not None:
-        return picture_corners(Corners.none(), grey, found.refusal, settings)
+        refused = picture_corners(Corners.none(), grey, found.refusal, settings)
+        return replace(refused, part=_part(grey, board, found, settings))
     corners = measured_corners(grey, board, found.corners, settings)
     corners = widened_corners(grey, board, corners, settings.corner)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
@@ -96,11 +102,51 @@ def _found_at(level: Reduced, board: Chessboard, settings: DetectSettings) -> _F
     seen = len(lattices[0]) if lattices else 0
     if len(numbered) != 1:
         first = outcomes[0] if outcomes else Refusal.NO_CHESSBOARD
+        if first is Refusal.BOARD_IN_PART and not board.marks:
+            return _found_part(lattices[0], saddles, level, board, settings)
         return _Found(Corners.none(), first if isinstance(first, Refusal) else Refusal.AMBIGUOUS, seen)
     lattice, numbering = numbered[0]
     if not is_smooth(lattice, saddles.place, settings.grid):
         return _Found(Corners.none(), Refusal.GRID_INCONSISTENT, seen)
+    corners = _rough_corners(lattice, numbering, saddles, level)
+    own = ((corners.index >= 0) & (corners.index < [board.cols, board.rows])).all(axis=1)
+    return _Found(corners.select(np.flatnonzero(own)), None, seen)
+
+
+def _found_part(
+    lattice: Lattice, saddles: Saddles, level: Reduced, board: Chessboard, settings: DetectSettings
+) -> _Found:
+    """Return a part of a board, under all numberings that fit, as far as it lies on a smooth surface."""
+    smooth = is_smooth(lattice, saddles.place, settings.grid)
+    numberings = part_numberings(SeenBoard(lattice, saddles, level.grey), board) if smooth else []
+    if not numberings:
+        return _Found(Corners.none(), Refusal.BOARD_IN_PART, len(lattice))
+    corners = _rough_corners(lattice, numberings[0], saddles, level)
+    return _Found(corners, Refusal.BOARD_IN_PART, len(lattice), tuple(numberings))
+
+
+def _rough_corners(lattice: Lattice, numbering: Numbering, saddles: Saddles, level: Reduced) -> Corners:
+    """Return the corners of a lattice with their ids, at places of the whole picture."""
     index = np.array([numbering.index(node) for node in lattice.spots], dtype=np.int64)
-    own = ((index >= 0) & (index < [board.cols, board.rows])).all(axis=1)
     place = level.in_full(saddles.place[list(lattice.spots.values())])
-    return _Found(Corners(index[own], place[own], [None] * int(own.sum())), None, seen)
+    return Corners(index, place, [None] * len(index))
+
+
+def _part(
+    grey: GreyPicture, board: Chessboard, found: _Found, settings: DetectSettings
+) -> PictureDots | None:
+    """Return the measured corners of a part of a board, under all numberings that fit; None without any."""
+    if not found.numberings:
+        return None
+    first, *others = found.numberings
+    known = set(map(tuple, found.corners.index.tolist()))
+    corners = measured_corners(grey, board, found.corners, settings)
+    # Further corners were looked for as if the first numbering were right.
+    corners = corners.select(
+        np.array(
+            [k for k, place in enumerate(corners.index.tolist()) if tuple(place) in known], dtype=np.int64
+        )
+    )
+    dots = picture_corners(corners, grey, None, settings)
+    nodes = (dots.index - first.shift) @ first.turn
+    return replace(dots, others=tuple(nodes @ one.turn.T + one.shift for one in others))

@@ -16,6 +16,7 @@ from labcal.detect.grid import Grid, find_grid
 from labcal.detect.lattice.marks_beside import dots_among, lines_seen
 from labcal.detect.lattice.missed import with_missed
 from labcal.detect.lattice.plain import continues_beyond_grid, with_symmetric_numberings
+from labcal.detect.lattice.plain_part import plain_part
 from labcal.detect.lattice.prediction import Predictor
 from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines, clear_reach
@@ -107,7 +108,8 @@ def _detect(
         seen = refusal is Refusal.AMBIGUOUS
         detail = lines_seen(candidates.whole, target, settings.grid) if seen else ""
         every = _unnamed(candidates.whole.joined(candidates.cut), set())
-        return replace(_collect(every, size, polarity, refusal), detail=detail)
+        part = _part(picture, polarity, candidates.whole, target, settings) if seen else None
+        return replace(_collect(every, size, polarity, refusal), detail=detail, part=part)
     numbering = grid.numbering
     lattice, outlines = with_missed(grey, grid.lattice, numbering, candidates.whole, target, settings)
     predictor = Predictor(lattice, outlines, settings.grid)
@@ -136,6 +138,29 @@ def _detect(
     typical = median_of(outlines.radius[spots])
     dots += _further(unnamed, typical, np.array([dot.seen_at for dot in dots]), settings.quality)
     return with_symmetric_numberings(_collect(_unique_ids(dots), size, polarity, None), target)
+
+
+def _part(
+    picture: tuple[GreyPicture, float],
+    polarity: Polarity,
+    outlines: Outlines,
+    target: DotGrid,
+    settings: DetectSettings,
+) -> PictureDots | None:
+    """Return the measured dots of a part of a plain grid, under all numberings that fit; None without any."""
+    lattice, numberings = plain_part(outlines, target, settings.grid)
+    if not numberings:
+        return None
+    grey, black = picture
+    spots, reach = np.array(list(lattice.spots.values())), clear_reach(target, settings.segmentation)
+    fits = fit_edges(grey, outlines.select(spots), np.zeros(len(spots)), reach, black, settings.edge)
+    predictor = Predictor(lattice, outlines, settings.grid)
+    dots = flag_dots(fits, predictor, numberings[0], target, settings)
+    found = _collect(dots, (grey.shape[1], grey.shape[0]), polarity, None)
+    node_of = {numberings[0].index(node): node for node in lattice.spots}
+    nodes = [node_of[int(col), int(row)] for col, row in found.index]
+    others = [np.array([one.index(node) for node in nodes], dtype=np.int64) for one in numberings[1:]]
+    return replace(found, others=tuple(others))
 
 
 def _search(

@@ -66,6 +66,9 @@ class PictureDots:
         Sentence on what was seen where the picture is refused, for people; may be empty.
     own : OwnPlaces or None
         Of several boards side by side, each dot's own board and index; None of one board.
+    part : PictureDots or None
+        Of a picture that is refused since it shows a part of a board whose dots are all alike: the dots as
+        measured, with ids at one of the places where they fit; its `others` are those at the other places.
     """
 
     size: tuple[int, int]
@@ -82,6 +85,7 @@ class PictureDots:
     others: tuple[Int[np.ndarray, "n 2"], ...] = ()
     detail: str = ""
     own: OwnPlaces | None = None
+    part: "PictureDots | None" = None
 
     @property
     def indexed(self) -> bool:

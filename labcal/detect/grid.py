@@ -8,7 +8,7 @@ from labcal.detect.lattice.lattice import Lattice, find_lattices
 from labcal.detect.lattice.marks_beside import without_marks_beside
 from labcal.detect.lattice.numbering import AnyNumbering, number_lattice, numbering_refusal
 from labcal.detect.lattice.rough_undistortion import NONE, RoughUndistortion, fisheyes
-from labcal.detect.lattice.smoothness import is_smooth
+from labcal.detect.lattice.smoothness import is_smooth, is_smooth_through_fisheye
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.grid import GridSettings
 from labcal.targets.grid import DotGrid
@@ -41,11 +41,11 @@ def find_grid(
         Width and height of the picture, px.
     settings : GridSettings
     """
-    best = _find_through(NONE, outlines, target, settings)
+    best = _find_through(NONE, outlines, target, size, settings)
     if len(outlines.centre) < settings.min_dots or _is_complete(best, outlines, settings):
         return best
     for lens in fisheyes(size, settings.fisheye_fields_deg):
-        other = _find_through(lens, outlines, target, settings)
+        other = _find_through(lens, outlines, target, size, settings)
         if not isinstance(other, Refusal) and (
             isinstance(best, Refusal) or len(other.spots) > len(best.spots)
         ):
@@ -67,18 +67,22 @@ def _is_complete(grid: Grid | Refusal, outlines: Outlines, settings: GridSetting
 
 
 def _find_through(
-    lens: RoughUndistortion, outlines: Outlines, target: DotGrid, settings: GridSettings
+    lens: RoughUndistortion,
+    seen: Outlines,
+    target: DotGrid,
+    size: tuple[int, int],
+    settings: GridSettings,
 ) -> Grid | Refusal:
     """Return the one lattice that can be numbered in the picture of a lens."""
-    if len(outlines.centre) == 0:
+    if len(seen.centre) == 0:
         return Refusal.NO_DOTS
-    if len(outlines.centre) < settings.min_dots:
+    if len(seen.centre) < settings.min_dots:
         return Refusal.TOO_FEW_DOTS
-    found = find_lattices(outlines, target, lens, settings)
-    lattices = [without_deviating_shapes(lattice, outlines, target, settings) for lattice in found]
+    found = find_lattices(seen, target, lens, settings)
+    lattices = [without_deviating_shapes(lattice, seen, target, settings) for lattice in found]
     if target.rings is None:
-        lattices = [without_marks_beside(lattice, outlines, target, settings) for lattice in lattices]
-    outlines = lens.outlines(outlines)
+        lattices = [without_marks_beside(lattice, seen, target, settings) for lattice in lattices]
+    outlines = lens.outlines(seen)
     if not lattices:
         return Refusal.NO_GRID
     outcomes = [(lattice, number_lattice(lattice, outlines, target, settings)) for lattice in lattices]
@@ -86,5 +90,8 @@ def _find_through(
     refusal = numbering_refusal([outcome for _, outcome in outcomes], target)
     if refusal is not None:
         return refusal
-    smooth = is_smooth(named[0].lattice, outlines.centre, settings)
+    lattice = named[0].lattice
+    smooth = is_smooth(lattice, outlines.centre, settings) or is_smooth_through_fisheye(
+        lattice, seen.centre, size, settings
+    )
     return named[0] if smooth else Refusal.GRID_INCONSISTENT

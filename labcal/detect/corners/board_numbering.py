@@ -15,6 +15,8 @@ from labcal.detect.lattice.rings import TURNS, Numbering
 from labcal.detect.settings import DetectSettings
 from labcal.targets.chessboard import Chessboard
 
+_FEWEST_LINES = 3
+
 
 @dataclass(frozen=True)
 class SeenBoard:
@@ -156,5 +158,25 @@ def _marked_places(
         ]
         found += [
             Numbering(turn, shift) for shift in shifts if (wanted[tuple((middles + shift).T)] == marked).all()
+        ]
+    return found
+
+
+def part_numberings(seen: SeenBoard, board: Chessboard) -> list[Numbering]:
+    """Return every numbering under which a lattice is a part of a board of its colours, whatever its marks.
+
+    Nothing where the lattice has fewer than three lines either way, or more than the board.
+    """
+    nodes = np.array(list(seen.lattice.spots), dtype=np.int64)
+    if np.ptp(nodes, axis=0).min() + 1 < _FEWEST_LINES:
+        return []
+    found = []
+    for turn, parity in _coloured_turns(seen, board, nodes):
+        low, high = (nodes @ turn.T).min(axis=0), (nodes @ turn.T).max(axis=0)
+        found += [
+            Numbering(turn, np.array([right, up]))
+            for right in range(-low[0], board.cols - high[0])
+            for up in range(-low[1], board.rows - high[1])
+            if (right + up) % 2 == parity
         ]
     return found

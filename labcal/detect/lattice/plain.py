@@ -37,7 +37,7 @@ class DiagonalNumbering:
 
     def index(self, node: Node) -> tuple[int, int]:
         """Return (col, row) of a node."""
-        half_pitches, row = (int(k) for k in _upright(self.turn, np.array([node]))[0] + self.shift)
+        half_pitches, row = (int(k) for k in upright(self.turn, np.array([node]))[0] + self.shift)
         return (half_pitches - row % 2) // 2, row
 
 
@@ -86,7 +86,7 @@ def with_symmetric_numberings(dots: PictureDots, target: DotGrid) -> PictureDots
     return dots if dots.refusal is not None else replace(dots, others=target.symmetric_indices(dots.index))
 
 
-def _upright(turn: np.ndarray, nodes: DotIndices) -> DotIndices:
+def upright(turn: np.ndarray, nodes: DotIndices) -> DotIndices:
     """Return the places along x and rows of the nodes of an asymmetric grid, in half pitches."""
     a, b = (nodes @ turn.T).T
     return np.stack([a - b, a + b], axis=-1)
@@ -100,7 +100,7 @@ def _fitted(
         places, last = nodes @ turn.T, np.array([target.cols, target.rows]) - 1
         corner_share = np.array([target.rows, target.cols])
     else:
-        places, last = _upright(turn, nodes), np.array([2 * target.cols, target.rows]) - 1
+        places, last = upright(turn, nodes), np.array([2 * target.cols, target.rows]) - 1
         corner_share = np.array([target.rows / 2, target.cols])
     low, high = places.min(axis=0), places.max(axis=0)
     if (high - low != last).any():

@@ -3,6 +3,7 @@
 import numpy as np
 
 from labcal.arrays import Pixels
+from labcal.detect.lattice.fisheye_plane import fitted_fisheye_plane
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.stage_settings.grid import GridSettings
 from labcal.errors import InputError
@@ -33,11 +34,41 @@ def is_smooth(lattice: Lattice, positions: Pixels, settings: GridSettings) -> bo
     straight = np.concatenate([seen, np.ones((len(seen), 1))], axis=1) @ back.T
     if (straight[:, 2] * straight[0, 2] <= 0).any():
         return False  # the horizon would run through the board
-    flat = straight[:, :2] / straight[:, 2:]
+    return _leaves_no_step(scaled, straight[:, :2] / straight[:, 2:], np.ptp(nodes, axis=0).max(), settings)
+
+
+def is_smooth_through_fisheye(
+    lattice: Lattice, seen: Pixels, size: tuple[int, int], settings: GridSettings
+) -> bool:
+    """Tell whether one map takes the grid's nodes to their spots, as :func:`is_smooth` does, for wide lenses.
+
+    A plane through an equidistant fisheye takes up the perspective. Beyond some 150 degrees no homography
+    does, wherever the rough undistortion that the lattice grew in ends.
+
+    Parameters
+    ----------
+    lattice : Lattice
+    seen : ndarray, shape (n, 2)
+        Pixels of all spots, in the picture as it is.
+    size : tuple of int
+        Width and height of the picture, px.
+    settings : GridSettings
+    """
+    nodes = np.array(list(lattice.spots), dtype=np.float64)
+    extent = float(np.ptp(nodes, axis=0).max())
+    scaled, pixels = (nodes - nodes.mean(axis=0)) / extent, seen[list(lattice.spots.values())]
+    plane = fitted_fisheye_plane(scaled, pixels, size)
+    if plane is None:
+        return False
+    off = plane.residuals(scaled, pixels)
+    return bool(np.isfinite(off).all()) and _leaves_no_step(scaled, off, extent, settings)
+
+
+def _leaves_no_step(scaled: np.ndarray, off: np.ndarray, extent: float, settings: GridSettings) -> bool:
+    """Tell whether a polynomial of the nodes (n, 2) follows what a map leaves of them (n, 2) everywhere."""
     degrees, spare = range(settings.smooth_max_degree, 1, -1), settings.smooth_dots_factor
-    degree = next((d for d in degrees if len(nodes) >= spare * (d + 1) * (d + 2) / 2), 1)
+    degree = next((d for d in degrees if len(scaled) >= spare * (d + 1) * (d + 2) / 2), 1)
     powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
     design = np.stack([scaled[:, 0] ** i * scaled[:, 1] ** j for i, j in powers], axis=-1)
-    left = flat - design @ np.linalg.lstsq(design, flat, rcond=None)[0]
-    steps = np.linalg.norm(left, axis=1) * np.ptp(nodes, axis=0).max()
-    return bool(steps.max() < settings.smooth_residual_steps)
+    left = off - design @ np.linalg.lstsq(design, off, rcond=None)[0]
+    return bool(np.linalg.norm(left, axis=1).max() * extent < settings.smooth_residual_steps)
