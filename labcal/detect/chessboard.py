@@ -1,6 +1,7 @@
 """From a picture of a plain chessboard to its corners: saddle points, lattice, ids, and fits."""
 
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from labcal.detect.corners.board_numbering import SeenBoard, number_board
 from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
 from labcal.detect.corners.outer_lines import shows_outer_lines
 from labcal.detect.corners.picture_corners import picture_corners
-from labcal.detect.corners.reduced import Reduced, reduced_pictures
+from labcal.detect.corners.reduced import Reduced, coarser_pictures, reduced_pictures
 from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
@@ -74,9 +75,13 @@ def _shows_its_rim(index: np.ndarray, board: Chessboard, settings: SaddleSetting
 
 
 def _found(grey: GreyPicture, board: Chessboard, settings: DetectSettings) -> _Found:
-    """Return the board from the coarsest level of the picture on at which it can be numbered."""
+    """Return the board from the first level of the picture at which it can be numbered.
+
+    Coarse ones come first, since they are searched faster; one that is coarser still comes last, since it
+    shows large squares only.
+    """
     best = _Found(Corners.none(), Refusal.NO_CHESSBOARD, 0)
-    for level in reduced_pictures(grey, settings):
+    for level in chain(reduced_pictures(grey, settings), coarser_pictures(grey, settings)):
         found = _found_at(level, board, settings)
         if found.refusal is None:
             return found

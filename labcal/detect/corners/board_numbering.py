@@ -40,9 +40,10 @@ def number_board(seen: SeenBoard, board: Chessboard, settings: DetectSettings) -
 
     All four quarter turns are tried whose squares have the board's colours. Without marks a turn fits where
     the lattice has the board's number of columns and of rows, and each of the four outermost lines is seen,
-    for the most part or with a few neighbouring corners. With marks it fits at a place where every mark that is seen is one of the board's,
-    and no plain square is where the board has a mark. Of fitting turns that the board's own symmetry allows,
-    that one is taken whose columns run most nearly to the right in the picture.
+    for the most part or with a few neighbouring corners. With marks it fits at a place where every mark that
+    is seen is one of the board's, and no plain square is where the board has a mark. Of fitting turns that
+    the board's own symmetry allows, that one is taken whose columns run most nearly to the right in the
+    picture.
 
     Lines beyond the board's number that are not seen so are left out: corners of the outermost squares at
     the paper's rim, every other of which may look like an inner one.

@@ -15,6 +15,8 @@ from labcal.detect.stage_settings.corner import CornerSettings
 _LIGHT_NODES = 1
 """Nodes to either side whose white levels tell the slope of the light."""
 _FEWEST = 5
+_DARKEST = 1e-3
+"""Of white, grey values."""
 _ROUGH_NODES = 2
 """Nodes to either side whose residuals are the usual ones."""
 
@@ -110,9 +112,11 @@ def _clear(wide: dict[Node, SettledCorner], factor: float) -> dict[Node, Settled
 def _slopes(grid: NodeGrid, places: np.ndarray, fits: dict[Node, SettledCorner]) -> np.ndarray:
     """Return the slope of the light at corners, 1/px, shape (n, 2): that of the white level around each.
 
-    NaN where there are too few fits around; as many as are enough are never on one line.
+    It is the slope of the level's logarithm, by which light far from even falls in a straight line: a corner
+    at the rim of the board has the others on one side only. NaN where there are too few fits around; as many
+    as are enough are never on one line.
     """
-    white = np.array([fit.state[6] + fit.state[7] for fit in fits.values()])
+    white = np.log([max(fit.state[6] + fit.state[7], _DARKEST) for fit in fits.values()])
     near = around(grid.spread(np.concatenate([places, white[:, None]], axis=1)), _LIGHT_NODES)
     near = near[:, *grid.at]
     known = np.isfinite(near[..., 2])
@@ -123,8 +127,7 @@ def _slopes(grid: NodeGrid, places: np.ndarray, fits: dict[Node, SettledCorner])
     enough = known.sum(axis=0) >= _FEWEST
     slopes = np.full((len(places), 2), np.nan)
     if enough.any():
-        levels = np.linalg.solve(normal[enough], right[enough][..., None])[..., 0]
-        slopes[enough] = levels[:, 1:] / levels[:, :1]
+        slopes[enough] = np.linalg.solve(normal[enough], right[enough][..., None])[:, 1:, 0]
     return slopes
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import chi2
 
 from labcal.bench.boards.chessboard_picture import MARKED, PLAIN, _ink
-from labcal.bench.marks.drawn_picture import Exposure, drawn, tilted
+from labcal.bench.marks.drawn_picture import Cover, Exposure, drawn, tilted
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
@@ -54,6 +54,32 @@ def test_normalised_errors_pass_a_chi_square_test() -> None:
         count += 2 * len(off)
     assert count == 6 * PLAIN.count
     assert 0.005 < chi2.sf(squares, count) < 0.995
+
+
+def test_blur_in_falling_light_moves_no_corner() -> None:
+    # Blur acts on light times print: by Stein's lemma edges move by the squared blur times the light's slope.
+    slope = np.array([0.004, 0.002])
+    how = replace(exposure(PLAIN, square=24.0), blur_px=2.2, gradient=slope, noise=0.004)
+    dots = detect_dots(picture(PLAIN, how), PLAIN)
+    along = slope / np.hypot(*slope)
+    off, variance = errors(dots, PLAIN, how) @ along, along @ dots.covariance[dots.ok] @ along
+    assert abs(off.sum()) / np.sqrt(variance.sum()) < 3.0
+    assert how.blur_px**2 * np.hypot(*slope) > 10.0 * np.sqrt(variance.sum()) / len(off)
+
+
+@pytest.mark.parametrize("corner", [(0.0, 0.0), (8.0, 5.0)])
+def test_a_plain_board_with_a_hidden_corner_is_numbered(corner: tuple[float, float]) -> None:
+    # Four columns by four rows of corners are hidden: of the shorter outermost lines 2 corners are left out.
+    how = exposure(PLAIN, tilt=0.1, roll=0.0)
+    hand = Cover(how.seen(np.array(corner)), np.array([4.4, 2.4]) * 18.0, 0.0, 0.4)
+    dots = detect_dots(drawn(how, _ink(PLAIN), (hand,), np.random.default_rng(0)), PLAIN)
+    assert dots.refusal is None
+    assert np.abs(errors(dots, PLAIN, how)).max() < 0.15
+    # A hidden line might be any: the same corners, with one more line hidden, have no numbers.
+    wider = replace(hand, half=np.array([12.0, 0.6]) * 18.0)
+    assert detect_dots(drawn(how, _ink(PLAIN), (wider,), np.random.default_rng(0)), PLAIN).refusal in (
+        Refusal.BOARD_IN_PART,
+    )
 
 
 def test_the_other_colours_turn_the_numbers_by_half_a_turn() -> None:
