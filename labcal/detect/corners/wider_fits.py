@@ -12,8 +12,8 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
 
-_LIGHT_NODES = 1
-"""Nodes to either side whose white levels tell the slope of the light."""
+_LIGHT_NODES = (1, 2, 4)
+"""Nodes to either side whose white levels tell the slope of the light: the nearest that are enough."""
 _FEWEST = 5
 _DARKEST = 1e-3
 """Of white, grey values."""
@@ -117,8 +117,18 @@ def _slopes(grid: NodeGrid, places: np.ndarray, fits: dict[Node, SettledCorner])
     as are enough are never on one line.
     """
     white = np.log([max(fit.state[6] + fit.state[7], _DARKEST) for fit in fits.values()])
-    near = around(grid.spread(np.concatenate([places, white[:, None]], axis=1)), _LIGHT_NODES)
-    near = near[:, *grid.at]
+    levels = grid.spread(np.concatenate([places, white[:, None]], axis=1))
+    slopes = np.full((len(places), 2), np.nan)
+    for reach in _LIGHT_NODES:
+        missing = np.isnan(slopes[:, 0])
+        if missing.any():
+            near = around(levels, reach)[:, *grid.at]
+            slopes[missing] = _slopes_of(near[:, missing], places[missing])
+    return slopes
+
+
+def _slopes_of(near: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return slopes at corners (n, 2) from the places and levels (k, n, 3) near each, NaN for too few."""
     known = np.isfinite(near[..., 2])
     away = np.where(known[..., None], near[..., :2] - places, 0.0)
     design = np.concatenate([known[..., None].astype(np.float64), away], axis=-1)
