@@ -5,7 +5,7 @@ import numpy as np
 from labcal.detect.corners.node_grid import ahead, behind, median_around
 
 _NEAR = (1, 2, 4)
-"""Nodes to either side whose curvatures have one median, against the corners' noise: the nearest that tell."""
+"""Nodes to either side whose curvatures have one median, against the corners' noise: the nearest known."""
 
 
 def edge_bends(places: np.ndarray) -> np.ndarray:
