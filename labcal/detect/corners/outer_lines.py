@@ -10,7 +10,7 @@ def shows_line(places: Int[np.ndarray, " n"], length: int, settings: SaddleSetti
     """Tell whether a line of corners is one of the board's, by those of it that are seen.
 
     Where black squares end at the rim of the paper, every other place looks like a corner. A line of the
-    board is told from those by its share of places, more than half, or by neighbouring corners in a row.
+    board differs from those in its share of places, more than half, or in neighbouring corners in a row.
 
     Parameters
     ----------
