@@ -1,14 +1,16 @@
 """From a picture of a plain chessboard to its corners: saddle points, lattice, ids, and fits."""
 
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
 from labcal.detect.corners.board_lattice import find_board_lattices
 from labcal.detect.corners.board_numbering import SeenBoard, number_board, part_numberings
 from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
+from labcal.detect.corners.outer_lines import shows_outer_lines
 from labcal.detect.corners.picture_corners import picture_corners
-from labcal.detect.corners.reduced import Reduced, reduced_pictures
+from labcal.detect.corners.reduced import Reduced, coarser_pictures, reduced_pictures
 from labcal.detect.corners.saddles import Saddles, find_saddles
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
@@ -18,6 +20,7 @@ from labcal.detect.lattice.rings import Numbering
 from labcal.detect.lattice.rough_undistortion import NONE
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.saddle import SaddleSettings
 from labcal.targets.chessboard import Chessboard
 
 
@@ -62,7 +65,7 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not corners.select(ok).spans_a_plane():
         return picture_corners(corners, grey, Refusal.TOO_FEW_DOTS, settings)
-    if not board.marks and not _shows_its_rim(corners.index[ok], board, settings.saddle.min_line_share):
+    if not board.marks and not _shows_its_rim(corners.index[ok], board, settings.saddle):
         return picture_corners(corners, grey, Refusal.BOARD_IN_PART, settings)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     if not is_smooth(lattice, corners.seen_at, settings.grid):
@@ -71,17 +74,20 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     return replace(dots, others=board.symmetric_indices(dots.index))
 
 
-def _shows_its_rim(index: np.ndarray, board: Chessboard, share: float) -> bool:
-    """Tell whether most corners of each outermost line are measured: what numbers a board without marks."""
-    ends = [(index[:, 0] == 0, board.rows), (index[:, 0] == board.cols - 1, board.rows)]
-    ends += [(index[:, 1] == 0, board.cols), (index[:, 1] == board.rows - 1, board.cols)]
-    return all(int(on.sum()) >= share * count for on, count in ends)
+def _shows_its_rim(index: np.ndarray, board: Chessboard, settings: SaddleSettings) -> bool:
+    """Tell whether each outermost line is measured in part: what numbers a board without marks."""
+    filled = np.ptp(index, axis=0) == [board.cols - 1, board.rows - 1]
+    return bool(filled.all()) and shows_outer_lines(index, settings)
 
 
 def _found(grey: GreyPicture, board: Chessboard, settings: DetectSettings) -> _Found:
-    """Return the board from the coarsest level of the picture on at which it can be numbered."""
+    """Return the board from the first level of the picture at which it can be numbered.
+
+    Coarse ones come first, since they are searched faster; one that is coarser still comes last, since it
+    shows large squares only.
+    """
     best = _Found(Corners.none(), Refusal.NO_CHESSBOARD, 0)
-    for level in reduced_pictures(grey, settings):
+    for level in chain(reduced_pictures(grey, settings), coarser_pictures(grey, settings)):
         found = _found_at(level, board, settings)
         if found.refusal is None:
             return found

@@ -134,8 +134,8 @@ _ADVICE = {
         "square is at least 10 px across."
     ),
     Refusal.BOARD_IN_PART: (
-        "Only a part of the chessboard was found, and nothing numbers it. Show the whole board, most of the "
-        "corners of each outermost line; check that the target has as many inner corners as the print; or "
+        "Only a part of the chessboard was found, and nothing numbers it. Show three neighbouring corners at "
+        "least of each outermost line; check that the target has as many inner corners as the print; or "
         "use a board with marks, or a ChArUco board."
     ),
     Refusal.OTHER_CHESSBOARD: (

@@ -21,7 +21,9 @@ NOISE = (0.008, 0.04)
 GRADIENT = (1.0, 10.0)
 """Brightest over darkest light in the picture."""
 HIDDEN = 0.3
-"""Most of a marked board's corners that something hides."""
+"""Most of a board's corners that something hides."""
+NEIGHBOURS = 3
+"""Corners in a row of an outermost line of a plain board that show where it ends."""
 IN_SIGHT = 0.5
 """Share of the corners in sight of a picture that should be indexed."""
 OUT_OF_FRAME = 0.35
@@ -37,6 +39,8 @@ FRAME_PX = 6.0
 LEAST_DEPTH = 0.1
 """Of a corner, in that of the board's middle."""
 MOST_TRIES = 200
+WHOLE, _KINDS = 0.0, 4
+"""Share hidden of every fourth picture."""
 PLAIN = Chessboard(kind="chessboard", name="bench-plain", cols=9, rows=6, square_mm=1.0)
 MARKED = Chessboard(
     kind="chessboard", name="bench-marked", cols=13, rows=8, square_mm=1.0, marks=((6, 4), (7, 4), (6, 5))
@@ -58,8 +62,9 @@ class ChessboardPicture:
     visible : ndarray of bool, shape (n,)
         Whether a corner can be measured: within the frame, nothing over it.
     countable : bool
-        Whether the picture should be indexed: of a plain board every corner is in sight; of a marked one half
-        of the corners, and its marks with the corners around them.
+        Whether the picture should be indexed: half of the corners are in sight, and what numbers them. That
+        is some neighbouring corners of each outermost line of a plain board, without which nobody can tell
+        which corners are seen; and the marks of a marked one, with the corners around them.
     tilt_deg : float
     """
 
@@ -82,8 +87,9 @@ class ChessboardPicture:
 def chessboard_picture(number: int, seed: int) -> ChessboardPicture:
     """Draw one picture; each quantity is drawn from its range.
 
-    Pictures with an even number show a plain board, whole; the others one with marks, which may run out of
-    the frame and be hidden in part. Draws are repeated until the picture is one that should be indexed.
+    Pictures with an even number show a plain board; the others one with marks, which may run out of the
+    frame. Something may hide a part of the board, but not in every fourth picture. Draws are repeated until
+    the picture is one that should be indexed.
 
     Parameters
     ----------
@@ -94,14 +100,14 @@ def chessboard_picture(number: int, seed: int) -> ChessboardPicture:
     random = generator(seed, "bench boards", "chessboards", f"picture {number}")
     board = PLAIN if number % 2 == 0 else MARKED
     for _ in range(MOST_TRIES):
-        picture = _drawn_once(board, random)
+        picture = _drawn_once(board, random, WHOLE if number % _KINDS == 0 else HIDDEN)
         if picture is not None and picture.countable:
             return picture
     raise RuntimeError("no picture of a chessboard that could be indexed was drawn")  # the ranges forbid it
 
 
-def _drawn_once(board: Chessboard, random: np.random.Generator) -> ChessboardPicture | None:
-    """Draw a picture; None where the board does not fit."""
+def _drawn_once(board: Chessboard, random: np.random.Generator, hidden: float) -> ChessboardPicture | None:
+    """Draw a picture, with a share of its corners hidden at most; None where the board does not fit."""
     width = SIZE[0]
     tilt = np.radians(random.uniform(*TILT_DEG))
     square = SQUARE_PX[0] * (SQUARE_PX[1] / SQUARE_PX[0]) ** random.uniform()
@@ -136,7 +142,7 @@ def _drawn_once(board: Chessboard, random: np.random.Generator) -> ChessboardPic
         return None
     most = max(BLUR_PX[0], min(BLUR_PX[1], MOST_BLUR_SHARE * float(heights[inside].min())))
     exposure = Exposure(SIZE, H, float(random.uniform(BLUR_PX[0], most)), gradient, float(noise))
-    covers = _covers(picture, inside, random) if board.marks else ()
+    covers = _covers(picture, inside, float(random.uniform(0.0, hidden)), random) if hidden else ()
     visible = np.asarray(inside.copy())
     if covers:
         reach = (
@@ -170,9 +176,13 @@ def _length(axes: np.ndarray) -> float:
 
 def _countable(board: Chessboard, visible: Mask) -> bool:
     """Tell whether the corners in sight determine their numbers."""
-    if not board.marks:
-        return bool(visible.all())
     index = board.indices()
+    if not board.marks:
+        seen = np.zeros((board.cols, board.rows), dtype=bool)
+        seen[index[:, 0], index[:, 1]] = visible
+        lines = (seen[0], seen[-1], seen[:, 0], seen[:, -1])
+        ends = [np.lib.stride_tricks.sliding_window_view(line, NEIGHBOURS).all(axis=1) for line in lines]
+        return bool(visible.mean() >= IN_SIGHT and all(end.any() for end in ends))
     around = np.zeros(len(index), dtype=bool)
     for i, j in board.marks:
         around |= (np.abs(index - (np.array([i, j]) - 0.5)) < 1.0).all(axis=1)
@@ -214,9 +224,10 @@ def _waves(x: np.ndarray) -> np.ndarray:
     return np.asarray(-sign * np.clip(off, -1.0, 1.0))
 
 
-def _covers(picture: ChessboardPicture, inside: Mask, random: np.random.Generator) -> tuple[Cover, ...]:
-    """Return a rectangle that hides up to 30% of the corners, at random."""
-    wanted = random.uniform(0.0, HIDDEN)
+def _covers(
+    picture: ChessboardPicture, inside: Mask, wanted: float, random: np.random.Generator
+) -> tuple[Cover, ...]:
+    """Return a rectangle at random that hides a share of the corners."""
     middle = picture.corner[inside][int(random.integers(int(inside.sum())))]
     turn = float(random.uniform(-np.pi, np.pi))
     shape = np.array([1.0, random.uniform(0.4, 2.5)])

@@ -6,6 +6,7 @@ import numpy as np
 
 from labcal.detect.corners.board_lattice import lattice_colours
 from labcal.detect.corners.board_marks import read_marks
+from labcal.detect.corners.outer_lines import shows_line, shows_outer_lines
 from labcal.detect.corners.saddles import Saddles
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
@@ -13,6 +14,7 @@ from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.plain import turn_in_picture
 from labcal.detect.lattice.rings import TURNS, Numbering
 from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.saddle import SaddleSettings
 from labcal.targets.chessboard import Chessboard
 
 _FEWEST_LINES = 3
@@ -39,12 +41,13 @@ def number_board(seen: SeenBoard, board: Chessboard, settings: DetectSettings) -
     """Find ids for a lattice.
 
     All four quarter turns are tried whose squares have the board's colours. Without marks a turn fits where
-    the lattice has the board's number of columns and of rows, and most of the corners of each of the four
-    outermost lines. With marks it fits at a place where every mark that is seen is one of the board's,
-    and no plain square is where the board has a mark. Of fitting turns that the board's own symmetry allows,
-    that one is taken whose columns run most nearly to the right in the picture.
+    the lattice has the board's number of columns and of rows, and each of the four outermost lines is seen,
+    for the most part or with a few neighbouring corners. With marks it fits at a place where every mark that
+    is seen is one of the board's, and no plain square is where the board has a mark. Of fitting turns that
+    the board's own symmetry allows, that one is taken whose columns run most nearly to the right in the
+    picture.
 
-    Lines beyond the board's number that hold few corners are left out: corners of the outermost squares at
+    Lines beyond the board's number that are not seen so are left out: corners of the outermost squares at
     the paper's rim, every other of which may look like an inner one.
 
     Returns
@@ -54,8 +57,7 @@ def number_board(seen: SeenBoard, board: Chessboard, settings: DetectSettings) -
         them; `OTHER_CHESSBOARD` where there are more, or colours or marks are not the board's; `AMBIGUOUS`
         where it fits at several places.
     """
-    share = settings.saddle.min_line_share
-    seen = replace(seen, lattice=_trimmed(seen.lattice, board, share))
+    seen = replace(seen, lattice=_trimmed(seen.lattice, board, settings.saddle))
     nodes = np.array(list(seen.lattice.spots), dtype=np.int64)
     extent = np.sort(np.ptp(nodes, axis=0) + 1)
     lines = np.sort([board.cols, board.rows])
@@ -63,17 +65,17 @@ def number_board(seen: SeenBoard, board: Chessboard, settings: DetectSettings) -
         return Refusal.OTHER_CHESSBOARD
     places = _marked_places(seen, board, nodes, settings) if board.marks else []
     if not places:
-        places = _whole_places(seen, board, nodes, share)
+        places = _whole_places(seen, board, nodes, settings.saddle)
     if len(places) > len(board.symmetric_turns()):
         return Refusal.AMBIGUOUS
     if not places:
-        in_part = (extent < lines).any() or bool(board.marks) or not _shows_its_ends(nodes, share)
+        in_part = (extent < lines).any() or bool(board.marks) or not shows_outer_lines(nodes, settings.saddle)
         return Refusal.BOARD_IN_PART if in_part else Refusal.OTHER_CHESSBOARD
     where = seen.saddles.place[list(seen.lattice.spots.values())]
     return max(places, key=lambda one: np.cos(turn_in_picture((nodes @ one.turn.T).astype(float), where)))
 
 
-def _trimmed(lattice: Lattice, board: Chessboard, share: float) -> Lattice:
+def _trimmed(lattice: Lattice, board: Chessboard, settings: SaddleSettings) -> Lattice:
     """Return a lattice that is too long for a board without its sparse outermost lines."""
     spots = dict(lattice.spots)
     longest, shortest = max(board.cols, board.rows), min(board.cols, board.rows)
@@ -85,19 +87,13 @@ def _trimmed(lattice: Lattice, board: Chessboard, share: float) -> Lattice:
         if extent[axis] <= (longest if axis == along else shortest):
             break
         ends = [int(nodes[:, axis].min()), int(nodes[:, axis].max())]
-        count = [int((nodes[:, axis] == end).sum()) for end in ends]
-        sparse = int(np.argmin(count))
-        if count[sparse] >= share * extent[1 - axis]:
+        lines = [nodes[nodes[:, axis] == end, 1 - axis] for end in ends]
+        shown = [shows_line(line, int(extent[1 - axis]), settings) for line in lines]
+        if all(shown):
             break
+        sparse = min((0, 1), key=lambda end: (shown[end], len(lines[end])))
         spots = {node: spot for node, spot in spots.items() if node[axis] != ends[sparse]}
     return replace(lattice, spots=spots)
-
-
-def _shows_its_ends(nodes: np.ndarray, share: float) -> bool:
-    """Tell whether each of the four outermost lines of a lattice holds a share of its nodes at least."""
-    low, high = nodes.min(axis=0), nodes.max(axis=0)
-    shown = np.minimum((nodes == low).sum(axis=0), (nodes == high).sum(axis=0))
-    return bool((shown >= share * (high - low + 1)[::-1]).all())
 
 
 def _coloured_turns(seen: SeenBoard, board: Chessboard, nodes: np.ndarray) -> list[tuple[np.ndarray, int]]:
@@ -119,7 +115,7 @@ def _coloured_turns(seen: SeenBoard, board: Chessboard, nodes: np.ndarray) -> li
 
 
 def _whole_places(
-    seen: SeenBoard, board: Chessboard, nodes: np.ndarray, edge_share: float
+    seen: SeenBoard, board: Chessboard, nodes: np.ndarray, settings: SaddleSettings
 ) -> list[Numbering]:
     """Return the numberings under which the lattice fills the board from edge to edge."""
     found = []
@@ -128,8 +124,7 @@ def _whole_places(
         low, high = places.min(axis=0), places.max(axis=0)
         if (high - low + 1 != [board.cols, board.rows]).any() or low.sum() % 2 != parity:
             continue
-        shown = np.minimum((places == low).sum(axis=0), (places == high).sum(axis=0))
-        if (shown >= edge_share * np.array([board.rows, board.cols])).all():
+        if shows_outer_lines(places, settings):
             found.append(Numbering(turn, -low))
     return found
 

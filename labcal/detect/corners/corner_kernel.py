@@ -155,14 +155,18 @@ def fill_jacobian(
     c0, s0, c1, s1 = cos(state[2]), sin(state[2]), cos(state[3]), sin(state[3])
     blur0, blur1 = state[4], state[5]
     mean, step = state[6], state[7]
+    # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves each edge.
+    moved0, moved1 = blur0 * (c0 * state[8] + s0 * state[9]), blur1 * (c1 * state[8] + s1 * state[9])
+    turned0 = blur0**2 * (c0 * state[9] - s0 * state[8])
+    turned1 = blur1**2 * (c1 * state[9] - s1 * state[8])
     u, gaps, at = np.empty(2), np.empty(2), np.empty(4)
     gaps[0], gaps[1] = gap[0] / blur0, gap[1] / blur1
     for k in range(len(value)):
         x, y = offset[0, k], offset[1, k]
         dx, dy = x - state[0], y - state[1]
         across0, across1 = c0 * dy - s0 * dx, c1 * dy - s1 * dx
-        u[0] = (c0 * dx + s0 * dy - 0.5 * bend[0] * across0 * across0) / blur0
-        u[1] = (c1 * dx + s1 * dy - 0.5 * bend[1] * across1 * across1) / blur1
+        u[0] = (c0 * dx + s0 * dy - 0.5 * bend[0] * across0 * across0) / blur0 + moved0
+        u[1] = (c1 * dx + s1 * dy - 0.5 * bend[1] * across1 * across1) / blur1 + moved1
         _pattern_at(u, blend, gaps, pattern, at)
         light = 1.0 + state[8] * x + state[9] * y
         plain = mean + step * at[0]
@@ -170,14 +174,14 @@ def fill_jacobian(
         turn = light * step * at[3] * turn_size
         jacobian[0, k] = -first * c0 - second * c1
         jacobian[1, k] = -first * s0 - second * s1
-        jacobian[2, k] = first * across0 - turn
-        jacobian[3, k] = second * across1 + turn
-        jacobian[4, k] = -first * u[0]
-        jacobian[5, k] = -second * u[1]
+        jacobian[2, k] = first * (across0 + turned0) - turn
+        jacobian[3, k] = second * (across1 + turned1) + turn
+        jacobian[4, k] = first * (2.0 * moved0 - u[0])
+        jacobian[5, k] = second * (2.0 * moved1 - u[1])
         jacobian[6, k] = light
         jacobian[7, k] = light * at[0]
-        jacobian[8, k] = x * plain
-        jacobian[9, k] = y * plain
+        jacobian[8, k] = x * plain + first * c0 * blur0**2 + second * c1 * blur1**2
+        jacobian[9, k] = y * plain + first * s0 * blur0**2 + second * s1 * blur1**2
         residual[k] = value[k] - light * plain
         board[k] = at[0]
         off_edges[k] = min(abs(u[0]), abs(u[1]))

@@ -4,8 +4,8 @@ import numpy as np
 
 from labcal.detect.corners.node_grid import ahead, behind, median_around
 
-_NEAR = 1
-"""Nodes to either side whose curvatures have one median, against the corners' noise."""
+_NEAR = (1, 2, 4)
+"""Nodes to either side whose curvatures have one median, against the corners' noise: the nearest known."""
 
 
 def edge_bends(places: np.ndarray) -> np.ndarray:
@@ -20,7 +20,16 @@ def edge_bends(places: np.ndarray) -> np.ndarray:
     places : ndarray, shape (a, b, 2)
         Measured corners, px, by column and row; NaN where there is none.
     """
-    return np.stack([median_around(_bends(places, axis), _NEAR) for axis in (0, 1)], axis=2)
+    return np.stack([_smooth(_bends(places, axis)) for axis in (0, 1)], axis=2)
+
+
+def _smooth(bends: np.ndarray) -> np.ndarray:
+    """Return the medians of curvatures (a, b, 2) around every node, as near by as there are any."""
+    smooth = median_around(bends, _NEAR[0])
+    for reach in _NEAR[1:]:
+        if np.isnan(smooth).any():
+            smooth = np.where(np.isnan(smooth), median_around(bends, reach), smooth)
+    return smooth
 
 
 def _bends(places: np.ndarray, axis: int) -> np.ndarray:

@@ -12,9 +12,11 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
 
-_LIGHT_NODES = 1
-"""Nodes to either side whose white levels tell the slope of the light."""
+_LIGHT_NODES = (1, 2, 4)
+"""Nodes to either side whose white levels tell the slope of the light: the nearest that are enough."""
 _FEWEST = 5
+_DARKEST = 1e-3
+"""Of white, grey values."""
 _ROUGH_NODES = 2
 """Nodes to either side whose residuals are the usual ones."""
 
@@ -110,11 +112,23 @@ def _clear(wide: dict[Node, SettledCorner], factor: float) -> dict[Node, Settled
 def _slopes(grid: NodeGrid, places: np.ndarray, fits: dict[Node, SettledCorner]) -> np.ndarray:
     """Return the slope of the light at corners, 1/px, shape (n, 2): that of the white level around each.
 
-    NaN where there are too few fits around; as many as are enough are never on one line.
+    It is the slope of the level's logarithm, by which light far from even falls in a straight line: a corner
+    at the rim of the board has the others on one side only. NaN where there are too few fits around; as many
+    as are enough are never on one line.
     """
-    white = np.array([fit.state[6] + fit.state[7] for fit in fits.values()])
-    near = around(grid.spread(np.concatenate([places, white[:, None]], axis=1)), _LIGHT_NODES)
-    near = near[:, *grid.at]
+    white = np.log([max(fit.state[6] + fit.state[7], _DARKEST) for fit in fits.values()])
+    levels = grid.spread(np.concatenate([places, white[:, None]], axis=1))
+    slopes = np.full((len(places), 2), np.nan)
+    for reach in _LIGHT_NODES:
+        missing = np.isnan(slopes[:, 0])
+        if missing.any():
+            near = around(levels, reach)[:, *grid.at]
+            slopes[missing] = _slopes_of(near[:, missing], places[missing])
+    return slopes
+
+
+def _slopes_of(near: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return slopes at corners (n, 2) from the places and levels (k, n, 3) near each, NaN for too few."""
     known = np.isfinite(near[..., 2])
     away = np.where(known[..., None], near[..., :2] - places, 0.0)
     design = np.concatenate([known[..., None].astype(np.float64), away], axis=-1)
@@ -123,8 +137,7 @@ def _slopes(grid: NodeGrid, places: np.ndarray, fits: dict[Node, SettledCorner])
     enough = known.sum(axis=0) >= _FEWEST
     slopes = np.full((len(places), 2), np.nan)
     if enough.any():
-        levels = np.linalg.solve(normal[enough], right[enough][..., None])[..., 0]
-        slopes[enough] = levels[:, 1:] / levels[:, :1]
+        slopes[enough] = np.linalg.solve(normal[enough], right[enough][..., None])[:, 1:, 0]
     return slopes
 
 

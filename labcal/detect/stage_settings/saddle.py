@@ -87,8 +87,14 @@ class SaddleSettings(StageSettings):
         0.6,
         gt=0.5,
         le=1,
-        description="Part of each outermost line of corners that a board without marks must show. Larger: "
-        "more refusals.",
+        description="Part of each outermost line of corners that a board without marks must show, unless "
+        "enough neighbours of it are seen. Larger: more refusals.",
+    )
+    min_line_run: int = Field(
+        3,
+        ge=3,
+        le=1000,
+        description="Neighbouring corners of an outermost line that show it as well. Larger: more refusals.",
     )
     min_mark_share: float = Field(
         0.4,
