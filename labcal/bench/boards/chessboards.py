@@ -128,7 +128,9 @@ def chessboard_checks(name: str, outcomes: list[BoardOutcome]) -> Findings:
     ----------
     name : str
     outcomes : list of BoardOutcome
+        At least one, all with the same ways of OpenCV.
     """
+    ways = tuple(outcomes[0].opencv)
     error, covariance, bound, sharper = (
         np.concatenate([getattr(one, part) for one in outcomes])
         for part in ("error", "covariance", "bound", "sharper_bound")
@@ -161,7 +163,7 @@ def chessboard_checks(name: str, outcomes: list[BoardOutcome]) -> Findings:
         ),
         Figure(name=f"{name}: labcal, median s", value=_median([one.seconds["labcal"] for one in outcomes])),
     ]
-    for way in WAYS:
+    for way in ways:
         theirs, ours = (
             np.concatenate([getattr(one, part)[way] for one in outcomes]) for part in ("opencv", "own")
         )
@@ -175,8 +177,8 @@ def chessboard_checks(name: str, outcomes: list[BoardOutcome]) -> Findings:
         figures.append(
             Figure(name=f"{name}: {way}, median s", value=_median([o.seconds[way] for o in outcomes]))
         )
-    fast = [one.seconds["labcal"] / one.seconds[WAYS[0]] for one in outcomes if len(one.opencv[WAYS[0]])]
-    checks.append(at_most(f"{name}: time over that of {WAYS[0]}", _median(fast), MOST_TIME))
+    fast = [one.seconds["labcal"] / one.seconds[ways[0]] for one in outcomes if len(one.opencv[ways[0]])]
+    checks.append(at_most(f"{name}: time over that of {ways[0]}", _median(fast), MOST_TIME))
     return Findings(checks, figures)
 
 
