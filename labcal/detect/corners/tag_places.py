@@ -40,23 +40,29 @@ def tags_in_place(seen: SeenTags, grid: AprilGrid, settings: CornerSettings) -> 
     return {int(tags.number[k]): tags.corners[k] for k in best}
 
 
-def expected_tags(placed: dict[int, Pixels], grid: AprilGrid) -> dict[int, Pixels]:
-    """Return where the tags next to those in place should be, px, by the homography of the nearest few.
+def next_tag(placed: dict[int, Pixels], grid: AprilGrid, tried: set[int]) -> tuple[int, Pixels] | None:
+    """Return a tag next to those in place that was not tried, and where it should be; None if there is none.
+
+    It is predicted by the homography of the nearest few, px.
 
     Parameters
     ----------
     placed : dict of int to ndarray, shape (4, 2)
         Corners of tags, px, by number.
     grid : AprilGrid
+    tried : set of int
+        The tags in place among them.
     """
-    on_board = tag_corners(grid)
-    known = sorted(placed)
-    found = {}
+    known = np.array(sorted(placed))
     for number in range(grid.tag_count):
-        row, col = divmod(number, grid.tag_cols)
-        away = np.array([max(abs(k // grid.tag_cols - row), abs(k % grid.tag_cols - col)) for k in known])
-        if number in placed or away.min() > 1:
+        if number in tried:
             continue
-        near = [known[k] for k in np.argsort(away, kind="stable")[:_NEAREST]]
-        found[number] = through_markers(np.array([placed[k] for k in near]), on_board[near], on_board[number])
-    return found
+        row, col = divmod(number, grid.tag_cols)
+        away = np.maximum(np.abs(known // grid.tag_cols - row), np.abs(known % grid.tag_cols - col))
+        if away.min() > 1:
+            continue
+        near = known[np.argsort(away, kind="stable")[:_NEAREST]]
+        on_board = tag_corners(grid)
+        seen = np.array([placed[k] for k in near.tolist()])
+        return number, through_markers(seen, on_board[near], on_board[number])
+    return None
