@@ -9,7 +9,7 @@ from labcal.detect.corners.picture_corners import picture_corners, refused_as_fe
 from labcal.detect.corners.reduced import reduced_pictures
 from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.corners.tag_places import tags_in_place
-from labcal.detect.corners.tag_quads import SeenTags, read_tags
+from labcal.detect.corners.tag_codes import SeenTags, read_tags
 from labcal.detect.corners.tag_search import OFFSETS, measured_tags
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal

@@ -7,6 +7,9 @@ import numpy as np
 
 from labcal.detect.compiled import compiled
 
+_LEAST_WHITE = 0.3
+"""Share of the white space beside a tag that counts in any case."""
+
 
 class TagForm(NamedTuple):
     """The parts of a tag's print that say which pixels are a corner's own."""
@@ -38,7 +41,8 @@ def tag_pixels(
     """Return mask, offsets and values of :class:`~labcal.detect.corners.corner_model.CornerPixels`.
 
     `place` holds the corner's centre and the tag's edges, in columns. `guard_px` is the distance kept from
-    the tag's cells. No pixel lies beyond the middle of the white space beside the tag, or of an edge.
+    the tag's cells, and from the next tag across the white space. No pixel lies beyond the middle of that
+    space, or of an edge.
     """
     centre, edges = place
     height, width = grey.shape
@@ -46,7 +50,9 @@ def tag_pixels(
     det = edges[0, 0] * edges[1, 1] - edges[0, 1] * edges[1, 0]
     first, second = tag_heights(edges)
     inner_first, inner_second = form.border - guard_px / first, form.border - guard_px / second
-    least = -form.share * form.gap
+    most = form.share * form.gap
+    least_first = -max(min(most, form.gap - guard_px / first), _LEAST_WHITE * form.gap)
+    least_second = -max(min(most, form.gap - guard_px / second), _LEAST_WHITE * form.gap)
     across = min(form.reach, form.share * (abs(edges[0, 0]) + abs(edges[0, 1])))
     down = min(form.reach, form.share * (abs(edges[1, 0]) + abs(edges[1, 1])))
     left, top = max(ceil(x - across), 0), max(ceil(y - down), 0)
@@ -60,7 +66,7 @@ def tag_pixels(
             dx, dy = left + i - x, top + j - y
             a = (edges[1, 1] * dx - edges[0, 1] * dy) / det
             b = (edges[0, 0] * dy - edges[1, 0] * dx) / det
-            if min(a, b) <= least or max(a, b) >= form.share or hypot(dx, dy) >= form.reach:
+            if a <= least_first or b <= least_second or max(a, b) >= form.share or hypot(dx, dy) >= form.reach:
                 continue
             if a > inner_first and b > inner_second:
                 continue

@@ -5,7 +5,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.marker_places import SeenMarkers, markers_that_agree, through_markers
-from labcal.detect.corners.tag_quads import SeenTags
+from labcal.detect.corners.tag_codes import SeenTags
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.april_grid import AprilGrid
 

@@ -11,6 +11,7 @@ from labcal.detect.corners.corner_fit import SettledCorner, settle
 from labcal.detect.corners.corner_kernel import CHESSBOARD, PARAMETERS, FitLimits, settled
 from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.corners.corner_window import near_edges
+from labcal.detect.corners.tag_cell_light import cell_light
 from labcal.detect.corners.tag_pixels import TagForm, tag_heights, tag_pixels
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -19,6 +20,8 @@ _FAR = np.full(2, 1e6)
 """Distance to markers in the white squares: there are none."""
 _CELL_GUARD = 2.0
 """Distance kept from the tag's cells, in those kept from a marker whose border the model has."""
+_WIDE_GUARD, _LEAST_STRIP = 3.0, 1.5
+"""The same of the second fit, which subtracts the cells' light; and the strip that it uses at least, in blurs."""
 _TO_MIDDLE, _WIDE_TO_MIDDLE = 0.45, 0.5
 """Reach along an edge, of the distance to the next corner on it: of the first fit, of the second one."""
 _DARK, _LIGHT = 0.1, 0.9
@@ -51,12 +54,18 @@ class TagSaddle:
         Side of the small square, in tags.
     border : float
         Width of the tag's black border, in tags.
+    opposite : ndarray, shape (2,)
+        From the corner to the opposite one of the tag, px.
+    white : ndarray of bool, shape (cells, cells)
+        Which cells of the tag are white, along the first edge from the corner on, and along the second one.
     """
 
     centre: np.ndarray
     edges: np.ndarray
     gap: float
     border: float
+    opposite: np.ndarray
+    white: np.ndarray
 
 
 def fit_tag_saddle(grey: GreyPicture, corner: TagSaddle, settings: CornerSettings) -> SettledCorner | None:
@@ -158,6 +167,8 @@ def widened_tag_saddle(
 ) -> SettledCorner | None:
     """Fit the same to all pixels along the edges, from the state of a first fit on.
 
+    What light the tag's white cells spread into its border is subtracted.
+
     Parameters
     ----------
     grey : ndarray, shape (h, w)
@@ -180,13 +191,19 @@ def widened_tag_saddle(
     blur = max(float(first[4]), float(first[5]))
     form = TagForm(corner.gap, corner.border, _WIDE_TO_MIDDLE, settings.max_reach_px)
     place = np.ascontiguousarray(corner.centre), np.ascontiguousarray(corner.edges)
-    pixels = tag_pixels(grey, place, form, _CELL_GUARD * settings.marker_guard_blurs * blur)
+    heights = tag_heights(place[1])
+    plain = corner.border * min(heights)
+    guard = max(min(_WIDE_GUARD * blur, plain - _LEAST_STRIP * blur), blur) * settings.marker_guard_blurs
+    pixels = tag_pixels(grey, place, form, guard)
     mask, offset, value = near_edges(pixels, state, settings.edge_blurs)
+    blurs = float(state[4]) / heights[0], float(state[5]) / heights[1]
+    light = 1.0 + state[8:] @ offset
+    value -= 2.0 * state[7] * light * cell_light(offset, (place[1], corner.opposite, corner.white), blurs)
     window = CornerPixels(mask, offset, value, _FAR, CHESSBOARD, bend)
     rms = settle(state, window, settings.first_tolerance_px, settings)
     if rms < 0.0 or state[7] <= 0.0:
         return None
-    if state[4:6].max() > min(corner.gap, corner.border) * min(tag_heights(place[1])):
+    if state[4:6].max() > min(corner.gap, corner.border) * min(heights):
         return None
     if float(np.hypot(*state[:2])) > settings.max_refit_blurs * blur:
         return None

@@ -14,7 +14,7 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.april_grid import AprilGrid
-from labcal.targets.charuco_opencv import opencv_dictionary
+from labcal.targets.april_grid_outlines import tag_cells
 
 OFFSETS = ((0, 0), (1, 0), (1, 1), (0, 1))
 """Column and row of a tag's corners against its lower left one, anticlockwise."""
@@ -47,7 +47,7 @@ def measured_tags(
         All of the tags that are read, without a fit where one is not measured; of the others those that are.
     """
     search = _Search.of(grey, grid, settings)
-    first = {number: search.fits(quad) for number, quad in placed.items()}
+    first = {number: search.fits(number, quad) for number, quad in placed.items()}
     standard = Standard.of([fit for four in first.values() for fit in four])
     first = {number: [standard.met_by(fit, settings) for fit in four] for number, four in first.items()}
     places = {number: _refined(quad, first[number]) for number, quad in placed.items()}
@@ -57,7 +57,7 @@ def measured_tags(
         tried.add(number)
         side = float(np.linalg.norm(quad - np.roll(quad, 1, axis=0), axis=1).min())
         limit = settings.max_residual_squares * side
-        four = [standard.met_by(fit, settings) for fit in search.fits(quad)]
+        four = [standard.met_by(fit, settings) for fit in search.fits(number, quad)]
         four = [
             fit if fit is not None and float(np.linalg.norm(fit.centre - q)) < limit else None
             for fit, q in zip(four, quad, strict=True)
@@ -73,7 +73,7 @@ def measured_tags(
     }
     fits = {node: fit for node, (_, _, fit) in nodes.items() if fit is not None}
     saddles = {
-        node: search.saddle(_refined(seen[number], first[number]), corner)
+        node: search.saddle(number, _refined(seen[number], first[number]), corner)
         for node, (number, corner, fit) in nodes.items()
         if fit is not None
     }
@@ -98,22 +98,34 @@ class _Search:
     grey: GreyPicture
     gap: float
     border: float
+    white: np.ndarray
+    """White cells of every tag, by column and row from the lower left one, shape (tags, cells, cells)."""
     settings: CornerSettings
 
     @classmethod
     def of(cls, grey: GreyPicture, grid: AprilGrid, settings: CornerSettings) -> "_Search":
         """Return the search in a picture."""
-        cells = opencv_dictionary(grid.dictionary).markerSize + 2 * grid.border_cells
-        return cls(grey, grid.tag_spacing, grid.border_cells / cells, settings)
+        white = np.swapaxes(~tag_cells(grid)[:, ::-1], 1, 2)
+        return cls(grey, grid.tag_spacing, grid.border_cells / white.shape[1], white, settings)
 
-    def saddle(self, quad: Pixels, corner: int) -> TagSaddle:
+    def saddle(self, number: int, quad: Pixels, corner: int) -> TagSaddle:
         """Return what lies around a corner of a tag."""
         along, across = (quad[other[corner]] - quad[corner] for other in (_ALONG, _ACROSS))
-        return TagSaddle(quad[corner], np.stack([along, across], axis=1), self.gap, self.border)
+        right, upper = OFFSETS[corner]
+        return TagSaddle(
+            centre=quad[corner],
+            edges=np.stack([along, across], axis=1),
+            gap=self.gap,
+            border=self.border,
+            opposite=quad[corner - 2] - quad[corner],
+            white=np.ascontiguousarray(self.white[number][:: 1 - 2 * right, :: 1 - 2 * upper]),
+        )
 
-    def fits(self, quad: Pixels) -> list[SettledCorner | None]:
+    def fits(self, number: int, quad: Pixels) -> list[SettledCorner | None]:
         """Return the fits of a tag's four corners."""
-        return [fit_tag_saddle(self.grey, self.saddle(quad, k), self.settings) for k in range(len(quad))]
+        return [
+            fit_tag_saddle(self.grey, self.saddle(number, quad, k), self.settings) for k in range(len(quad))
+        ]
 
 
 def _node(number: int, corner: int, grid: AprilGrid) -> Node:
