@@ -8,8 +8,8 @@ from labcal.detect.corners.markers_elsewhere import ids_read
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
 from labcal.detect.corners.reduced import reduced_pictures
 from labcal.detect.corners.saddles import find_saddles
-from labcal.detect.corners.tag_places import tags_in_place
 from labcal.detect.corners.tag_codes import SeenTags, read_tags
+from labcal.detect.corners.tag_places import tags_in_place
 from labcal.detect.corners.tag_search import OFFSETS, measured_tags
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
@@ -22,7 +22,6 @@ from labcal.wording import counted
 
 _ENOUGH = 0.5
 """Share of the board's tags in place after which no finer picture is searched."""
-
 
 
 def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettings) -> PictureDots:

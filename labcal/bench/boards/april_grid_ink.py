@@ -54,7 +54,9 @@ def april_grid_ink(grid: AprilGrid) -> Print:
 
     def ink(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         scale = cells / grid.tag_mm
-        return np.asarray(_ink_at(np.asarray(x, dtype=np.float64) * scale, np.asarray(y) * scale, rim + 1, whole))
+        return np.asarray(
+            _ink_at(np.asarray(x, dtype=np.float64) * scale, np.asarray(y) * scale, rim + 1, whole)
+        )
 
     return ink
 
@@ -86,7 +88,8 @@ def _beside(place: np.ndarray, j: int, i: int, first: int, size: int) -> tuple[i
     up, down = max(j - 1, 0), min(j + 1, height - 1)
     left, right = max(i - 1, 0), min(i + 1, width - 1)
     slope = hypot(
-        (place[down, i] - place[up, i]) / max(down - up, 1), (place[j, right] - place[j, left]) / max(right - left, 1)
+        (place[down, i] - place[up, i]) / max(down - up, 1),
+        (place[j, right] - place[j, left]) / max(right - left, 1),
     )
     at = place[j, i] + first
     edge = min(max(floor(at + 0.5), 1), size - 1)

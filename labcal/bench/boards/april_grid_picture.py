@@ -18,9 +18,7 @@ NARROWEST_PX = 15.0
 """Least height of a tag that is seen aslant: one and a half pixels a cell."""
 MOST_BLUR_SHARE = 0.05
 """Most blur as a share of the height of the narrowest tag: half a cell."""
-KALIBR = AprilGrid(
-    kind="aprilgrid", name="bench-kalibr", tag_cols=5, tag_rows=4, tag_mm=1.0, tag_spacing=0.3
-)
+KALIBR = AprilGrid(kind="aprilgrid", name="bench-kalibr", tag_cols=5, tag_rows=4, tag_mm=1.0, tag_spacing=0.3)
 NARROW = AprilGrid(
     kind="aprilgrid", name="bench-narrow", tag_cols=6, tag_rows=4, tag_mm=1.0, tag_spacing=0.25,
     border_cells=1, first_id=40,
@@ -97,7 +95,9 @@ def _drawn_once(board: AprilGrid, random: np.random.Generator) -> AprilGridPictu
     if sharp is None:
         return None
     corner = sharp.seen(places)
-    picture = AprilGridPicture(np.zeros((0, 0), dtype=np.uint8), board, sharp, corner, np.zeros(0, dtype=bool))
+    picture = AprilGridPicture(
+        np.zeros((0, 0), dtype=np.uint8), board, sharp, corner, np.zeros(0, dtype=bool)
+    )
     axes = np.array([picture.axes(k) for k in range(len(corner))])
     lengths = np.linalg.norm(axes, axis=1).max(axis=1)
     heights = np.abs(np.linalg.det(axes)) / lengths

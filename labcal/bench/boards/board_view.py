@@ -17,7 +17,9 @@ from labcal.bench.boards.chessboard_picture import (
 from labcal.bench.marks.drawn_picture import PAPER, Cover, Exposure, tilted
 
 
-def random_view(places: np.ndarray, side_px: tuple[float, float], random: np.random.Generator) -> Exposure | None:
+def random_view(
+    places: np.ndarray, side_px: tuple[float, float], random: np.random.Generator
+) -> Exposure | None:
     """Return a view of a board at random, not blurred; None where a corner is behind the camera.
 
     Parameters

@@ -55,9 +55,15 @@ def cell_light(
         if a < first / cells - _FAR * blurs[0] or b < first / cells - _FAR * blurs[1]:
             continue
         for i in range(first, last + 1):
-            low, high = (i / cells - a) / (sqrt(2.0) * blurs[0]), ((i + 1) / cells - a) / (sqrt(2.0) * blurs[0])
+            low, high = (
+                (i / cells - a) / (sqrt(2.0) * blurs[0]),
+                ((i + 1) / cells - a) / (sqrt(2.0) * blurs[0]),
+            )
             along[i] = 0.5 * (erf(high) - erf(low))
-            low, high = (i / cells - b) / (sqrt(2.0) * blurs[1]), ((i + 1) / cells - b) / (sqrt(2.0) * blurs[1])
+            low, high = (
+                (i / cells - b) / (sqrt(2.0) * blurs[1]),
+                ((i + 1) / cells - b) / (sqrt(2.0) * blurs[1]),
+            )
             across[i] = 0.5 * (erf(high) - erf(low))
         for i in range(first, last + 1):
             for j in range(first, last + 1):

@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.special import ndtr, stdtrit
 
-from labcal.arrays import Pixels
 from labcal.detect.corners.saddles import Saddles
 from labcal.detect.corners.tag_quads import black_squares, square_levels
 from labcal.detect.grey import GreyPicture
@@ -140,4 +139,6 @@ def _has_border(levels: Float64[np.ndarray, "n cells cells"], border: int) -> np
     black, white = np.median(ring, axis=1), np.percentile(levels[:, inner], _WHITE, axis=1)
     spread = _SIGMA * np.median(np.abs(ring - black[:, None]), axis=1)
     wrong = (ring > 0.5 * (black + white)[:, None]).mean(axis=1)
-    return np.asarray((white - black >= _LEAST_CONTRAST * spread) & (white > black) & (wrong <= _MOST_WRONG_BORDER))
+    return np.asarray(
+        (white - black >= _LEAST_CONTRAST * spread) & (white > black) & (wrong <= _MOST_WRONG_BORDER)
+    )

@@ -66,7 +66,12 @@ def tag_pixels(
             dx, dy = left + i - x, top + j - y
             a = (edges[1, 1] * dx - edges[0, 1] * dy) / det
             b = (edges[0, 0] * dy - edges[1, 0] * dx) / det
-            if a <= least_first or b <= least_second or max(a, b) >= form.share or hypot(dx, dy) >= form.reach:
+            if (
+                a <= least_first
+                or b <= least_second
+                or max(a, b) >= form.share
+                or hypot(dx, dy) >= form.reach
+            ):
                 continue
             if a > inner_first and b > inner_second:
                 continue

@@ -24,6 +24,8 @@ _WIDE_GUARD, _LEAST_STRIP = 3.0, 1.5
 """The same of the second fit, which subtracts the cells' light; and the strip that it uses at least, in blurs."""
 _TO_MIDDLE, _WIDE_TO_MIDDLE = 0.45, 0.5
 """Reach along an edge, of the distance to the next corner on it: of the first fit, of the second one."""
+_LEAST_REACH_PX = 8.0
+"""Of a first fit: with less, a small tag has too few pixels. The second one knows how the edges bend."""
 _DARK, _LIGHT = 0.1, 0.9
 """Shares of a window's pixels that are darker than its black and white levels, to begin with."""
 
@@ -89,7 +91,9 @@ def fit_tag_saddle(grey: GreyPicture, corner: TagSaddle, settings: CornerSetting
         None where the fit does not converge near the beginning, or the frame is too near.
     """
     longest = float(np.sqrt(settings.reach_bend_px * max(grey.shape)))
-    form = TagForm(corner.gap, corner.border, _TO_MIDDLE, max(settings.min_reach_px, longest))
+    form = TagForm(
+        corner.gap, corner.border, _TO_MIDDLE, max(settings.min_reach_px, longest, _LEAST_REACH_PX)
+    )
     place = np.ascontiguousarray(corner.centre), np.ascontiguousarray(corner.edges)
     limits = settings.limits(_FirstLimits), settings.limits(FitLimits)
     ok, state, (mask, offset, value), rms = _first_fit(grey, place, form, limits)

@@ -82,10 +82,12 @@ def measured_tags(
     found = [standard.met_by(wide.get(node), settings) for node in nodes]
     corners = Corners(
         np.array(list(nodes), dtype=np.int64).reshape(-1, 2),
-        np.array([_seen_at(fit, seen[number][corner]) for number, corner, fit in nodes.values()]).reshape(-1, 2),
+        np.array([_seen_at(fit, seen[number][corner]) for number, corner, fit in nodes.values()]).reshape(
+            -1, 2
+        ),
         found,
     )
-    clear = _clear(corners, settings.clear_roughness_factor)
+    clear = _clear(corners, settings)
     kept = [ok or number in placed for ok, (number, _, _) in zip(clear, nodes.values(), strict=True)]
     fits_of_clear = [fit if ok else None for fit, ok in zip(found, clear, strict=True)]
     return replace(corners, fits=fits_of_clear).select(np.flatnonzero(kept))
@@ -144,11 +146,16 @@ def _refined(quad: Pixels, fits: list[SettledCorner | None]) -> Pixels:
     return np.array([_seen_at(fit, q) for q, fit in zip(quad, fits, strict=True)])
 
 
-def _clear(corners: Corners, factor: float) -> list[bool]:
-    """Return which corners are not much rougher than those around: nothing lies over these."""
+def _clear(corners: Corners, settings: CornerSettings) -> list[bool]:
+    """Return which corners are not much rougher than those around: nothing lies over these.
+
+    Edges without any blur leave residuals that depend on where they run between pixels.
+    """
     roughness = np.array([np.nan if fit is None else fit.roughness for fit in corners.fits])
+    sharp = [fit is not None and fit.state[4:6].min() <= settings.min_blur_px for fit in corners.fits]
     found = []
-    for place, own in zip(corners.index, roughness, strict=True):
+    for place, own, is_sharp in zip(corners.index, roughness, sharp, strict=True):
         near = (np.abs(corners.index - place) <= _ROUGH_CORNERS).all(axis=1) & np.isfinite(roughness)
-        found.append(bool(np.isfinite(own) and own <= factor * np.median(roughness[near])))
+        most = settings.clear_roughness_factor * np.median(roughness[near]) if near.any() else 0.0
+        found.append(bool(own <= most + (settings.roughness_share if is_sharp else 0.0)))
     return found

@@ -8,10 +8,15 @@ import pytest
 from scipy.stats import chi2
 
 from labcal.bench.boards.april_grid_ink import april_grid_ink
-from labcal.bench.marks.drawn_picture import Cover, Exposure, drawn, tilted
+from labcal.bench.boards.april_grid_picture import AprilGridPicture
+from labcal.bench.boards.corner_bound import ImagedTagCorner, corner_bounds
+from labcal.bench.marks.drawn_picture import INK, PAPER, Cover, Exposure, drawn, tilted
+from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
+from labcal.detect.corners.tag_search import measured_tags
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
+from labcal.detect.settings import DetectSettings
 from labcal.targets.april_grid import AprilGrid
 
 SIZE = (220, 160)
@@ -103,3 +108,71 @@ def test_borders_of_one_cell_are_read_too() -> None:
     dots = detect_dots(picture(exposure(), grid=one), one)
     assert dots.refusal is None
     assert dots.ok.sum() == one.count
+
+
+def test_errors_are_near_the_bound() -> None:
+    squares, bounds = 0.0, 0.0
+    for seed, tilt in enumerate((0.1, 0.6)):
+        how = exposure(tilt=tilt)
+        shown = AprilGridPicture(
+            picture(how, seed), GRID, how, how.seen(GRID.points()[:, :2]), np.ones(GRID.count, dtype=bool)
+        )
+        dots = detect_dots(shown.picture, GRID)
+        for off, (col, row) in zip(errors(dots, how), dots.index[dots.ok], strict=True):
+            number = int(row * GRID.cols + col)
+            light = float(how.light(shown.corner[number]))
+            corner = ImagedTagCorner(shown.corner[number], shown.axes(number), 1.0,
+                                     INK * light, PAPER * light, gap=0.3, border=0.2)  # fmt: skip
+            noise = 0.01 * np.sqrt(0.5 * light * (INK + PAPER))
+            bounds += float(np.trace(corner_bounds(corner, np.array([[noise, noise]]))[0]))
+            squares += float((off**2).sum())
+    assert np.sqrt(squares / bounds) < 1.2
+
+
+def test_small_cells_that_are_blurred_are_read() -> None:
+    for seed, roll in enumerate((0.1, 0.9, -2.0)):
+        how = exposure(tilt=0.3, roll=roll, tag=17.0, blur=0.8)
+        dots = detect_dots(picture(how, seed), GRID)
+        assert dots.refusal is None
+        assert dots.ok.sum() == GRID.count
+        assert np.abs(errors(dots, how)).max() < 0.15
+
+
+def test_edges_along_the_rows_without_any_blur_are_measured() -> None:
+    # Every tag runs otherwise between the pixels.
+    H = np.array([[4.03, 0.0, 40.2], [0.0, -4.03, 130.4], [0.0, 0.0, 1.0]])
+    how = Exposure(SIZE, H, 0.02, np.zeros(2), 0.001)
+    dots = detect_dots(picture(how), GRID)
+    assert dots.refusal is None
+    assert dots.ok.sum() == GRID.count
+    assert np.abs(errors(dots, how)).max() < 0.15
+
+
+def test_a_grid_whose_corners_are_torn_is_refused_as_that_by_its_corners() -> None:
+    how = exposure(tilt=0.2, roll=0.0)
+    seen = picture(how)
+    true = how.seen(GRID.points()[:, :2])
+    random = np.random.default_rng(3)
+    for q in true:
+        # A blot over every corner: the codes stay.
+        x, y = np.rint(q).astype(int)
+        seen[y - 2 : y + 3, x - 2 : x + 3] = random.integers(0, 255, (5, 5))
+    quads = true.reshape(GRID.tag_rows, 2, GRID.tag_cols, 2, 2)
+    placed = {
+        row * GRID.tag_cols + col: quads[row, [0, 0, 1, 1], col, [0, 1, 1, 0]]
+        for row in range(GRID.tag_rows)
+        for col in range(GRID.tag_cols)
+    }
+    corners = measured_tags(np.asarray(seen, dtype=np.float32), GRID, placed, DetectSettings().corner)
+    assert sum(fit is not None for fit in corners.fits) < 4
+    by_index = {(int(i), int(j)): q for (i, j), q in zip(corners.index, corners.seen_at, strict=True)}
+    assert all(
+        np.linalg.norm(by_index[int(i), int(j)] - q) < 3.0
+        for (i, j), q in zip(GRID.indices(), true, strict=True)
+    )
+    dots = picture_corners(corners, np.asarray(seen, dtype=np.float32), None, DetectSettings())
+    assert refused_as_few(dots, corners.index, "").refusal is Refusal.TORN_CORNERS
+    one = corners.select(np.flatnonzero((corners.index < 2).all(axis=1)))
+    line = one.select(np.flatnonzero(one.index[:, 1] == 0))
+    few = picture_corners(line, np.asarray(seen, dtype=np.float32), None, DetectSettings())
+    assert refused_as_few(few, line.index, "").refusal is Refusal.TOO_FEW_DOTS
