@@ -20,6 +20,8 @@ from labcal.detect.settings import DetectSettings
 from labcal.targets.april_grid import AprilGrid
 from labcal.wording import counted
 
+_FEWEST = 4
+"""Corners that determine a homography."""
 _ENOUGH = 0.5
 """Share of the board's tags in place after which no finer picture is searched."""
 
@@ -94,9 +96,21 @@ def _is_smooth(corners: Corners, ok: np.ndarray, settings: DetectSettings) -> bo
         own = [int(k) for k in ok if tuple(corners.index[k] % 2) == kind]
         part = corners.select(np.array(own, dtype=np.int64))
         part = Corners(part.index // 2, part.seen_at, part.fits)
-        if not part.spans_a_plane():
+        if not _determines_a_map(part.index):
             continue
         lattice = Lattice({(int(i), int(j)): k for k, (i, j) in enumerate(part.index)})
         if not is_smooth(lattice, part.seen_at, settings.grid):
+            return False
+    return True
+
+
+def _determines_a_map(nodes: np.ndarray) -> bool:
+    """Tell whether nodes (n, 2) determine a homography: without any one of them the others span a plane."""
+    if len(nodes) < _FEWEST:
+        return False
+    middle = nodes - nodes.mean(axis=0)
+    for k in range(len(nodes)):
+        others = np.delete(middle, k, axis=0)
+        if np.linalg.matrix_rank(others - others[0]) < nodes.shape[1]:
             return False
     return True

@@ -63,7 +63,7 @@ def april_grid_ink(grid: AprilGrid) -> Print:
 
 @compiled
 def _ink_at(x: np.ndarray, y: np.ndarray, first: int, whole: np.ndarray) -> np.ndarray:
-    """Return the share of ink of samples (h, w) at places in cells; `whole` (rows, cols) is that of the cells.
+    """Return the share of ink of samples (h, w) at places in cells; `whole` (rows, cols) is of cells.
 
     Cell (first, first) is that at the origin. NaN is behind the camera.
     """

@@ -96,7 +96,7 @@ def _drawn_once(board: AprilGrid, random: np.random.Generator) -> AprilGridPictu
         return None
     corner = sharp.seen(places)
     picture = AprilGridPicture(
-        np.zeros((0, 0), dtype=np.uint8), board, sharp, corner, np.zeros(0, dtype=bool)
+        np.zeros((0, 0), dtype=np.uint8), board, sharp, corner, np.zeros(len(corner), dtype=bool)
     )
     axes = np.array([picture.axes(k) for k in range(len(corner))])
     lengths = np.linalg.norm(axes, axis=1).max(axis=1)

@@ -49,7 +49,7 @@ def random_view(
 
 
 def random_cover(inside: Pixels, random: np.random.Generator) -> Cover | None:
-    """Return a rectangle that hides up to 30% of the corners in the frame (n, 2), at random; None for none."""
+    """Return a rectangle that hides up to 30% of the corners in the frame (n, 2), or None."""
     wanted = random.uniform(0.0, HIDDEN)
     middle = inside[int(random.integers(len(inside)))]
     turn = float(random.uniform(-np.pi, np.pi))

@@ -64,7 +64,7 @@ class ImagedTagCorner(ImagedCorner):
     """The parameters of the image of a corner of a tag, where a small square touches it.
 
     The axes are the tag's edges, into the tag. Pixels count to the middles of all four edges that meet: in
-    the tag up to its cells, beside it up to the middle of the white, and in the small square up to its middle.
+    the tag up to its cells, beside it and in the small square up to the middle of the white space.
 
     Attributes
     ----------

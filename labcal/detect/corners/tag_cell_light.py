@@ -43,7 +43,7 @@ def cell_light(
     for i in range(cells):
         for j in range(cells):
             if white[i, j]:
-                first, last = min(first, min(i, j)), max(last, max(i, j))
+                first, last = min(first, i, j), max(last, i, j)
     light = np.zeros(offset.shape[1])
     along, across = np.zeros(cells), np.zeros(cells)
     for k in range(offset.shape[1]):

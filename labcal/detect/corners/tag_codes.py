@@ -26,6 +26,7 @@ _MOST_WRONG_BORDER = 0.06
 _WHITE = 90.0
 """Percentile of the inner cells that is as bright as white, as the paper beside the tag is."""
 _TURNS = 4
+_OTHER_BORDER = {1: 2, 2: 1}
 _SIGMA = 1.4826
 """Standard deviation over the median absolute deviation, of normal noise."""
 
@@ -66,6 +67,11 @@ class TagCodes:
     patterns: np.ndarray
     turns: np.ndarray
     least: float
+
+    def likeness(self, levels: Float64[np.ndarray, "n cells cells"], border: int) -> np.ndarray:
+        """Return the correlations of the cells of squares within a border with all patterns, shape (n, m)."""
+        inner = levels[:, border:-border, border:-border].reshape(len(levels), -1)
+        return np.asarray(_normal(inner) @ self.patterns.T)
 
 
 @lru_cache(maxsize=8)
@@ -109,17 +115,22 @@ def read_tags(grey: GreyPicture, saddles: Saddles, grid: AprilGrid) -> SeenTags:
         Its set of tags and their border count alone.
     """
     codes, border = tag_codes(grid.dictionary, grid.border_cells), grid.border_cells
+    other_codes = tag_codes(grid.dictionary, _OTHER_BORDER[border])
     quads = black_squares(saddles)
     levels = square_levels(grey, quads, codes.size + 2 * border)
-    framed = np.flatnonzero(_has_border(levels, border))
-    inner = levels[framed, border:-border, border:-border].reshape(len(framed), -1)
-    likeness = _normal(inner) @ codes.patterns.T
-    best = likeness.argmax(axis=1) if len(framed) else np.zeros(0, dtype=np.int64)
-    sure = likeness[np.arange(len(framed)), best] >= codes.least
-    number, turn = codes.turns[best[sure]].T
+    quads, levels = (every[_has_border(levels, border)] for every in (quads, levels))
+    likeness = codes.likeness(levels, border)
+    sure = np.flatnonzero(likeness.max(axis=1, initial=0.0) >= codes.least)
+    quads, likeness = quads[sure], likeness[sure]
+    # Cells that are counted wrongly resemble their own code a little less.
+    other = square_levels(grey, quads, codes.size + 2 * _OTHER_BORDER[border])
+    own = likeness.max(axis=1, initial=0.0) > other_codes.likeness(other, _OTHER_BORDER[border]).max(
+        axis=1, initial=0.0
+    )
+    number, turn = codes.turns[likeness[own].argmax(axis=1)].T
     # OpenCV counts quarter turns of its own picture of the tag, half a turn from Kalibr's print.
     order = (np.arange(_TURNS) + turn[:, None] + 2) % _TURNS
-    return SeenTags(number, np.take_along_axis(quads[framed[sure]], order[..., None], axis=1))
+    return SeenTags(number, np.take_along_axis(quads[own], order[..., None], axis=1))
 
 
 def _normal(cells: np.ndarray) -> np.ndarray:

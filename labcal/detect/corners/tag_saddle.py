@@ -21,7 +21,7 @@ _FAR = np.full(2, 1e6)
 _CELL_GUARD = 2.0
 """Distance kept from the tag's cells, in those kept from a marker whose border the model has."""
 _WIDE_GUARD, _LEAST_STRIP = 3.0, 1.5
-"""The same of the second fit, which subtracts the cells' light; and the strip that it uses at least, in blurs."""
+"""The same of the second fit, which subtracts the cells' light; and the least strip used, in blurs."""
 _TO_MIDDLE, _WIDE_TO_MIDDLE = 0.45, 0.5
 """Reach along an edge, of the distance to the next corner on it: of the first fit, of the second one."""
 _LEAST_REACH_PX = 8.0

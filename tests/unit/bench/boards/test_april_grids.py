@@ -42,9 +42,7 @@ def test_axes_lead_into_the_tag() -> None:
     assert picture.gap_px(0) == pytest.approx(30.0)
 
 
-def test_the_bound_of_a_tags_corner_grows_as_the_border_narrows_and_is_that_of_an_edge_for_long_ones() -> (
-    None
-):
+def test_the_bound_of_a_tags_corner_grows_as_the_border_narrows() -> None:
     axes = np.array([[40.0, 6.0], [-4.0, 38.0]])
     noises = np.array([[2.0, 2.0]])
     wide, narrow = (
