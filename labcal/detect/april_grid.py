@@ -1,15 +1,18 @@
 """From a picture of an AprilGrid to the corners of its tags: saddle points, codes, ids, and fits."""
 
+from collections.abc import Iterator
+from itertools import chain
+
 import numpy as np
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.corners import Corners
 from labcal.detect.corners.markers_elsewhere import ids_read
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
-from labcal.detect.corners.reduced import reduced_pictures
+from labcal.detect.corners.reduced import Reduced, enlarged_picture, reduced_pictures
 from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.corners.tag_codes import SeenTags, read_tags
-from labcal.detect.corners.tag_places import tags_in_place
+from labcal.detect.corners.tag_places import cells_along, tags_in_place
 from labcal.detect.corners.tag_search import OFFSETS, measured_tags
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
@@ -20,6 +23,8 @@ from labcal.detect.settings import DetectSettings
 from labcal.targets.april_grid import AprilGrid
 from labcal.wording import counted
 
+_SMALL_CELL_PX = 3.0
+"""Side of a cell below which an enlarged picture may show more of them."""
 _FEWEST = 4
 """Corners that determine a homography."""
 _ENOUGH = 0.5
@@ -64,9 +69,14 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
 def _placed(
     grey: GreyPicture, grid: AprilGrid, settings: DetectSettings
 ) -> tuple[SeenTags, dict[int, Pixels]]:
-    """Return the tags that are read, and those in place, of the level that shows most; coarse ones first."""
+    """Return the tags that are read, and those in place, of the level that shows most; coarse ones first.
+
+    Where few are in place, and their cells are small, the picture is enlarged.
+    """
     seen, best = SeenTags(np.zeros(0, dtype=np.int64), np.zeros((0, 4, 2))), dict[int, Pixels]()
-    for level in reduced_pictures(grey, settings):
+    for level in chain(reduced_pictures(grey, settings), _enlarged(grey, settings)):
+        if level.factor < 1.0 and best and _cell_px(list(best.values()), grid) > _SMALL_CELL_PX:
+            break
         tags = read_tags(level.grey, find_saddles(level.grey, settings.saddle), grid)
         tags = SeenTags(tags.number, level.in_full(tags.corners))
         placed = tags_in_place(tags, grid, settings.corner)
@@ -75,6 +85,19 @@ def _placed(
         if len(best) >= _ENOUGH * grid.tag_count:
             break
     return seen, best
+
+
+def _enlarged(grey: GreyPicture, settings: DetectSettings) -> Iterator[Reduced]:
+    """Return the picture enlarged, when it is asked for."""
+    twice = enlarged_picture(grey, settings)
+    if twice is not None:
+        yield twice
+
+
+def _cell_px(quads: list[Pixels], grid: AprilGrid) -> float:
+    """Return the usual side of a cell of some tags, px."""
+    sides = np.linalg.norm(np.array(quads) - np.roll(quads, 1, axis=1), axis=-1)
+    return float(np.median(sides.min(axis=1))) / cells_along(grid)
 
 
 def _why_not(seen: SeenTags, grid: AprilGrid) -> tuple[Refusal, str]:

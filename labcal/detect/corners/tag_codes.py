@@ -70,7 +70,7 @@ class TagCodes:
 
     def likeness(self, levels: Float64[np.ndarray, "n cells cells"], border: int) -> np.ndarray:
         """Return the correlations of the cells of squares within a border with all patterns, shape (n, m)."""
-        inner = levels[:, border:-border, border:-border].reshape(len(levels), -1)
+        inner = levels[:, border:-border, border:-border].reshape(len(levels), self.size**2)
         return np.asarray(_normal(inner) @ self.patterns.T)
 
 

@@ -8,9 +8,15 @@ from labcal.detect.corners.marker_places import SeenMarkers, markers_that_agree,
 from labcal.detect.corners.tag_codes import SeenTags
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.april_grid import AprilGrid
+from labcal.targets.charuco_opencv import opencv_dictionary
 
 _NEAREST = 3
 """Tags in place that predict the next one."""
+
+
+def cells_along(grid: AprilGrid) -> int:
+    """Return the cells along a side of a tag, its border included."""
+    return int(opencv_dictionary(grid.dictionary).markerSize) + 2 * grid.border_cells
 
 
 def tag_corners(grid: AprilGrid) -> Float64[np.ndarray, "n 4 2"]:

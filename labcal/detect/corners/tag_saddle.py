@@ -18,11 +18,9 @@ from labcal.detect.stage_settings.corner import CornerSettings
 
 _FAR = np.full(2, 1e6)
 """Distance to markers in the white squares: there are none."""
-_CELL_GUARD = 2.0
-"""Distance kept from the tag's cells, in those kept from a marker whose border the model has."""
-_WIDE_GUARD, _LEAST_STRIP = 3.0, 1.5
-"""The same of the second fit, which subtracts the cells' light; and the least strip used, in blurs."""
-_TO_MIDDLE, _WIDE_TO_MIDDLE = 0.45, 0.5
+_CELL_GUARD, _LEAST_STRIP = 3.0, 1.5
+"""Distance kept from the tag's cells, whose light is subtracted, and the least strip used; in blurs."""
+_TO_MIDDLE, _WIDE_TO_MIDDLE = 0.48, 0.5
 """Reach along an edge, of the distance to the next corner on it: of the first fit, of the second one."""
 _LEAST_REACH_PX = 8.0
 """Of a first fit: with less, a small tag has too few pixels. The second one knows how the edges bend."""
@@ -96,7 +94,9 @@ def fit_tag_saddle(grey: GreyPicture, corner: TagSaddle, settings: CornerSetting
     )
     place = np.ascontiguousarray(corner.centre), np.ascontiguousarray(corner.edges)
     limits = settings.limits(_FirstLimits), settings.limits(FitLimits)
-    ok, state, (mask, offset, value), rms = _first_fit(grey, place, form, limits)
+    ok, state, (mask, offset, value), rms = _first_fit(
+        grey, (*place, corner.opposite, corner.white), form, limits
+    )
     if not ok:
         return None
     window = CornerPixels(mask, offset, value, _FAR, CHESSBOARD)
@@ -106,15 +106,16 @@ def fit_tag_saddle(grey: GreyPicture, corner: TagSaddle, settings: CornerSetting
 @compiled
 def _first_fit(
     grey: np.ndarray,
-    place: tuple[np.ndarray, np.ndarray],
+    tag: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
     form: TagForm,
     limits: tuple[_FirstLimits, FitLimits],
 ) -> tuple[bool, np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray], float]:
     """Return whether a fit converges near its beginning; its state, window and root mean square residual.
 
-    `place` holds the corner's centre and the tag's edges.
+    `tag` holds the corner's centre, the tag's edges, the way to its opposite corner and its white cells.
     """
-    centre, edges = place
+    centre, edges, opposite, white = tag
+    place = (centre, edges)
     own, newton = limits
     state, straight, far = np.zeros(PARAMETERS), np.zeros(2), np.full(2, 1e6)
     window = tag_pixels(grey, place, form, 0.0)
@@ -123,9 +124,8 @@ def _first_fit(
     _begin(state, window[2], edges, own.first_blur_px)
     rms = -1.0
     for tolerance in (own.first_tolerance_px, own.tolerance_px):
-        # What is left out beside the cells follows the blur, once it is known.
-        guard = _CELL_GUARD * own.marker_guard_blurs * max(state[4], state[5])
-        window = tag_pixels(grey, place, form, guard)
+        # What is left out beside the cells, and their light, follow the blur, once it is known.
+        window = _darkened(grey, place, (form, own.marker_guard_blurs), (edges, opposite, white), state)
         if len(window[2]) < own.min_pixels:
             return False, state, window, 0.0
         pixels = (window[1], window[2], far, straight, CHESSBOARD)
@@ -145,6 +145,30 @@ def _first_fit(
         and y <= grey.shape[0] - 1 - margin
     )
     return ok, state, window, rms
+
+
+@compiled
+def _darkened(
+    grey: np.ndarray,
+    place: tuple[np.ndarray, np.ndarray],
+    form: tuple[TagForm, float],
+    tag: tuple[np.ndarray, np.ndarray, np.ndarray],
+    state: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return mask, offsets and values of pixels, less the light of the tag's white cells, by a state.
+
+    `form` holds the share of the guard, too; `tag` what :func:`cell_light` takes.
+    """
+    heights = tag_heights(tag[0])
+    blur = max(state[4], state[5])
+    plain = form[0].border * min(heights[0], heights[1]) - _LEAST_STRIP * blur
+    guard = max(min(_CELL_GUARD * blur, plain), blur) * form[1]
+    mask, offset, value = tag_pixels(grey, place, form[0], guard)
+    spread = cell_light(offset, tag, (state[4] / heights[0], state[5] / heights[1]))
+    for k in range(len(value)):
+        light = 1.0 + state[8] * offset[0, k] + state[9] * offset[1, k]
+        value[k] -= 2.0 * state[7] * light * spread[k]
+    return mask, offset, value
 
 
 @compiled
@@ -195,19 +219,14 @@ def widened_tag_saddle(
     blur = max(float(first[4]), float(first[5]))
     form = TagForm(corner.gap, corner.border, _WIDE_TO_MIDDLE, settings.max_reach_px)
     place = np.ascontiguousarray(corner.centre), np.ascontiguousarray(corner.edges)
-    heights = tag_heights(place[1])
-    plain = corner.border * min(heights)
-    guard = max(min(_WIDE_GUARD * blur, plain - _LEAST_STRIP * blur), blur) * settings.marker_guard_blurs
-    pixels = tag_pixels(grey, place, form, guard)
+    tag = (place[1], corner.opposite, corner.white)
+    pixels = _darkened(grey, place, (form, settings.marker_guard_blurs), tag, state)
     mask, offset, value = near_edges(pixels, state, settings.edge_blurs)
-    blurs = float(state[4]) / heights[0], float(state[5]) / heights[1]
-    light = 1.0 + state[8:] @ offset
-    value -= 2.0 * state[7] * light * cell_light(offset, (place[1], corner.opposite, corner.white), blurs)
     window = CornerPixels(mask, offset, value, _FAR, CHESSBOARD, bend)
     rms = settle(state, window, settings.first_tolerance_px, settings)
     if rms < 0.0 or state[7] <= 0.0:
         return None
-    if state[4:6].max() > min(corner.gap, corner.border) * min(heights):
+    if state[4:6].max() > min(corner.gap, corner.border) * min(tag_heights(place[1])):
         return None
     if float(np.hypot(*state[:2])) > settings.max_refit_blurs * blur:
         return None

@@ -178,6 +178,6 @@ def test_torn_corners_are_told_from_too_few_by_their_own_flags() -> None:
     dots = picture_corners(few, grey, None, DetectSettings())
     assert [flag is DotFlag.CUT for flag in dots.flag] == [False] * 4 + [True] * 4
     assert refused_as_few(dots, few.index, "").refusal is Refusal.TOO_FEW_DOTS
-    torn = Corners(index, places + [0.0, 40.0], [None] * len(index))
+    torn = Corners(index, places + np.array([0.0, 40.0]), [None] * len(index))
     dots = picture_corners(torn, grey, None, DetectSettings())
     assert refused_as_few(dots, torn.index, "").refusal is Refusal.TORN_CORNERS
