@@ -7,9 +7,10 @@ import numpy as np
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.corners import Corners
+from labcal.detect.corners.enlarged import enlarged_picture
 from labcal.detect.corners.markers_elsewhere import ids_read
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
-from labcal.detect.corners.reduced import Reduced, enlarged_picture, reduced_pictures
+from labcal.detect.corners.reduced import Reduced, reduced_pictures
 from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.corners.tag_codes import SeenTags, read_tags
 from labcal.detect.corners.tag_places import cells_along, tags_in_place

@@ -1,4 +1,4 @@
-"""Pictures that are reduced by whole numbers, in which boards are looked for first, or enlarged, in the end."""
+"""Pictures that are reduced by whole numbers, in which boards are looked for before the full one."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,9 +10,6 @@ from labcal.arrays import Pixels
 from labcal.detect.grey import GreyPicture
 from labcal.detect.settings import DetectSettings
 
-_MOST_ENLARGED = 4
-"""Longer side of a picture that is enlarged, in that of the picture that is searched first."""
-
 
 @dataclass(frozen=True)
 class Reduced:
@@ -23,7 +20,7 @@ class Reduced:
     grey : ndarray, shape (h, w)
         The means of squares of pixels.
     factor : float
-        Their side, px; below 1 the picture is enlarged, by interpolation.
+        Their side, px; below 1 the picture is enlarged.
     """
 
     grey: GreyPicture
@@ -58,22 +55,3 @@ def reduced_pictures(grey: GreyPicture, settings: DetectSettings) -> Iterator[Re
             level = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
         yield Reduced(level, factor)
         factor //= 2
-
-
-def enlarged_picture(grey: GreyPicture, settings: DetectSettings) -> Reduced | None:
-    """Return a picture of twice the size, in which small squares are as large as what looks for them.
-
-    None of a picture that is too large for that, or too small for a board.
-
-    Parameters
-    ----------
-    grey : ndarray, shape (h, w)
-    settings : DetectSettings
-    """
-    height, width = grey.shape
-    if min(grey.shape) < settings.corner.min_picture_px or not grey.max() > grey.min():
-        return None
-    if max(grey.shape) > _MOST_ENLARGED * settings.saddle.first_side_px:
-        return None
-    twice = cv2.resize(grey, (2 * width, 2 * height), interpolation=cv2.INTER_CUBIC)
-    return Reduced(np.asarray(twice), 0.5)
