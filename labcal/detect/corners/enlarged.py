@@ -1,9 +1,11 @@
 """Pictures of twice the size, in which small squares are as large as what looks for them."""
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
-from labcal.detect.corners.reduced import Reduced
+from labcal.arrays import Pixels
 from labcal.detect.grey import GreyPicture
 from labcal.detect.settings import DetectSettings
 
@@ -11,7 +13,25 @@ _MOST = 4
 """Longer side of a picture that is enlarged, in that of the picture that is searched first."""
 
 
-def enlarged_picture(grey: GreyPicture, settings: DetectSettings) -> Reduced | None:
+@dataclass(frozen=True)
+class Enlarged:
+    """A picture that is enlarged.
+
+    Attributes
+    ----------
+    grey : ndarray, shape (2 h, 2 w)
+        Interpolated.
+    """
+
+    grey: GreyPicture
+
+    def in_full(self, places: np.ndarray) -> Pixels:
+        """Return places (..., 2) in pixels of the full picture."""
+        # The middle of the first pixel is a quarter of one before that of the full picture's.
+        return np.asarray(0.5 * places - 0.25)
+
+
+def enlarged_picture(grey: GreyPicture, settings: DetectSettings) -> Enlarged | None:
     """Return a picture of twice the size; None of one that is too large for that, or too small for a board.
 
     Parameters
@@ -25,5 +45,4 @@ def enlarged_picture(grey: GreyPicture, settings: DetectSettings) -> Reduced | N
     if max(grey.shape) > _MOST * settings.saddle.first_side_px:
         return None
     twice = cv2.resize(grey, (2 * width, 2 * height), interpolation=cv2.INTER_CUBIC)
-    # The middle of the first pixel is a quarter of one before that of the full picture's: as of reduced ones.
-    return Reduced(np.asarray(twice), 0.5)
+    return Enlarged(np.asarray(twice))

@@ -13,18 +13,18 @@ from labcal.detect.settings import DetectSettings
 
 @dataclass(frozen=True)
 class Reduced:
-    """A picture that is reduced, or enlarged.
+    """A picture that is reduced.
 
     Attributes
     ----------
     grey : ndarray, shape (h, w)
         The means of squares of pixels.
-    factor : float
-        Their side, px; below 1 the picture is enlarged.
+    factor : int
+        Their side, px.
     """
 
     grey: GreyPicture
-    factor: float
+    factor: int
 
     def in_full(self, places: np.ndarray) -> Pixels:
         """Return places (..., 2) in pixels of the full picture."""
