@@ -10,7 +10,7 @@ from labcal.detect.corners.corners import Corners
 from labcal.detect.corners.enlarged import Enlarged, enlarged_picture
 from labcal.detect.corners.markers_elsewhere import ids_read
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
-from labcal.detect.corners.reduced import reduced_pictures
+from labcal.detect.corners.reduced import Reduced, reduced_pictures
 from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.corners.tag_codes import SeenTags, read_tags
 from labcal.detect.corners.tag_places import cells_along, tags_in_place
@@ -75,7 +75,8 @@ def _placed(
     Where few are in place, and their cells are small, the picture is enlarged.
     """
     seen, best = SeenTags(np.zeros(0, dtype=np.int64), np.zeros((0, 4, 2))), dict[int, Pixels]()
-    for level in chain(reduced_pictures(grey, settings), _enlarged(grey, settings)):
+    levels: Iterator[Reduced | Enlarged] = chain(reduced_pictures(grey, settings), _enlarged(grey, settings))
+    for level in levels:
         if isinstance(level, Enlarged) and best and _cell_px(list(best.values()), grid) > _SMALL_CELL_PX:
             break
         tags = read_tags(level.grey, find_saddles(level.grey, settings.saddle), grid)
