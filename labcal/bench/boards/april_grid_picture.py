@@ -49,7 +49,7 @@ class AprilGridPicture:
 
     @property
     def countable(self) -> bool:
-        """Whether the picture should be indexed: half of the corners are in sight."""
+        """True for a picture that should be indexed: half of the corners are in sight."""
         return bool(self.visible.mean() >= IN_SIGHT)
 
     def axes(self, number: int) -> np.ndarray:
