@@ -1,19 +1,20 @@
 """From a picture of an AprilGrid to the corners of its tags: saddle points, codes, ids, and fits."""
 
-from collections import deque
+from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 
 from labcal.arrays import Pixels
-from labcal.detect.corners.corner_fit import SettledCorner
-from labcal.detect.corners.corners import Corners, Standard
+from labcal.detect.corners.corners import Corners
+from labcal.detect.corners.enlarged import Enlarged, enlarged_picture
 from labcal.detect.corners.markers_elsewhere import ids_read
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
-from labcal.detect.corners.reduced import reduced_pictures
+from labcal.detect.corners.reduced import Reduced, reduced_pictures
 from labcal.detect.corners.saddles import find_saddles
-from labcal.detect.corners.tag_places import expected_tags, tags_in_place
-from labcal.detect.corners.tag_quads import SeenTags, read_tags
-from labcal.detect.corners.tag_saddle import TagSaddle, fit_tag_saddle
+from labcal.detect.corners.tag_codes import SeenTags, read_tags
+from labcal.detect.corners.tag_places import cells_along, tags_in_place
+from labcal.detect.corners.tag_search import OFFSETS, measured_tags
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
@@ -21,15 +22,14 @@ from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
 from labcal.targets.april_grid import AprilGrid
-from labcal.targets.charuco_opencv import opencv_dictionary
 from labcal.wording import counted
 
+_SMALL_CELL_PX = 3.0
+"""Side of a cell below which an enlarged picture may show more of them."""
+_FEWEST = 4
+"""Corners that determine a homography."""
 _ENOUGH = 0.5
 """Share of the board's tags in place after which no finer picture is searched."""
-_ROUGH_CORNERS = 3
-"""Corners to either side whose residuals are the usual ones."""
-_OFFSETS = ((0, 0), (1, 0), (1, 1), (0, 1))
-"""Column and row of a tag's corners against its lower left one, anticlockwise."""
 
 
 def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettings) -> PictureDots:
@@ -57,7 +57,7 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     if not placed:
         refusal, detail = _why_not(seen, grid)
         return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
-    corners = _measured(grey, grid, placed, settings)
+    corners = measured_tags(grey, grid, placed, settings.corner)
     dots = picture_corners(corners, grey, None, settings)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not corners.select(ok).spans_a_plane():
@@ -70,9 +70,15 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
 def _placed(
     grey: GreyPicture, grid: AprilGrid, settings: DetectSettings
 ) -> tuple[SeenTags, dict[int, Pixels]]:
-    """Return the tags that are read, and those in place, of the level that shows most; coarse ones first."""
+    """Return the tags that are read, and those in place, of the level that shows most; coarse ones first.
+
+    Where few are in place, and their cells are small, the picture is enlarged.
+    """
     seen, best = SeenTags(np.zeros(0, dtype=np.int64), np.zeros((0, 4, 2))), dict[int, Pixels]()
-    for level in reduced_pictures(grey, settings):
+    levels: Iterator[Reduced | Enlarged] = chain(reduced_pictures(grey, settings), _enlarged(grey, settings))
+    for level in levels:
+        if isinstance(level, Enlarged) and best and _cell_px(list(best.values()), grid) > _SMALL_CELL_PX:
+            break
         tags = read_tags(level.grey, find_saddles(level.grey, settings.saddle), grid)
         tags = SeenTags(tags.number, level.in_full(tags.corners))
         placed = tags_in_place(tags, grid, settings.corner)
@@ -81,6 +87,19 @@ def _placed(
         if len(best) >= _ENOUGH * grid.tag_count:
             break
     return seen, best
+
+
+def _enlarged(grey: GreyPicture, settings: DetectSettings) -> Iterator[Enlarged]:
+    """Return the picture enlarged, when it is asked for."""
+    twice = enlarged_picture(grey, settings)
+    if twice is not None:
+        yield twice
+
+
+def _cell_px(quads: list[Pixels], grid: AprilGrid) -> float:
+    """Return the usual side of a cell of some tags, px."""
+    sides = np.linalg.norm(np.array(quads) - np.roll(quads, 1, axis=1), axis=-1)
+    return float(np.median(sides.min(axis=1))) / cells_along(grid)
 
 
 def _why_not(seen: SeenTags, grid: AprilGrid) -> tuple[Refusal, str]:
@@ -96,98 +115,27 @@ def _why_not(seen: SeenTags, grid: AprilGrid) -> tuple[Refusal, str]:
     return (Refusal.MARKERS_UNREADABLE if own == 1 else Refusal.OTHER_BOARD), detail
 
 
-def _measured(
-    grey: GreyPicture, grid: AprilGrid, placed: dict[int, Pixels], settings: DetectSettings
-) -> Corners:
-    """Fit the corners of the tags in place, and of those beside them that can be found."""
-    fits = {number: _fits(grey, grid, quad, settings) for number, quad in placed.items()}
-    standard = Standard.of([fit for four in fits.values() for fit in four])
-    fits = {number: [standard.met_by(fit, settings.corner) for fit in four] for number, four in fits.items()}
-    places = {number: _refined(placed[number], fits[number]) for number in placed}
-    read, tried = set(placed), dict.fromkeys(placed, 0)
-    todo = deque(expected_tags(places, grid).items())
-    while todo:
-        number, quad = todo.popleft()
-        tried[number] = tried.get(number, 0) + 1
-        side = float(np.linalg.norm(quad - np.roll(quad, 1, axis=0), axis=1).min())
-        four = [
-            fit
-            if fit is not None
-            and np.linalg.norm(fit.centre - q) < settings.corner.max_residual_squares * side
-            else None
-            for fit, q in zip(
-                (standard.met_by(one, settings.corner) for one in _fits(grey, grid, quad, settings)),
-                quad,
-                strict=True,
-            )
-        ]
-        fits[number] = four
-        if all(fit is not None for fit in four):
-            places[number] = _refined(quad, four)
-            todo = deque((k, q) for k, q in expected_tags(places, grid).items() if k not in tried)
-    index, seen_at, found = [], [], []
-    for number, four in fits.items():
-        row, col = divmod(number, grid.tag_cols)
-        for corner, fit in enumerate(four):
-            if fit is None and number not in read:
-                continue
-            index.append([2 * col + _OFFSETS[corner][0], 2 * row + _OFFSETS[corner][1]])
-            seen_at.append(placed[number][corner] if fit is None else fit.centre)
-            found.append(fit)
-    corners = Corners(np.array(index, dtype=np.int64).reshape(-1, 2), np.array(seen_at).reshape(-1, 2), found)
-    clear = _clear(corners, settings.corner.clear_roughness_factor)
-    fits_of_clear = [fit if ok else None for fit, ok in zip(found, clear, strict=True)]
-    kept = [
-        ok or (int(i) // 2 + grid.tag_cols * (int(j) // 2)) in read
-        for ok, (i, j) in zip(clear, corners.index, strict=True)
-    ]
-    return Corners(corners.index, corners.seen_at, fits_of_clear).select(np.flatnonzero(kept))
-
-
-def _clear(corners: Corners, factor: float) -> list[bool]:
-    """Return which corners are not much rougher than those around: nothing lies over these."""
-    roughness = np.array([np.nan if fit is None else fit.roughness for fit in corners.fits])
-    found = []
-    for place, own in zip(corners.index, roughness, strict=True):
-        near = (np.abs(corners.index - place) <= _ROUGH_CORNERS).all(axis=1) & np.isfinite(roughness)
-        found.append(bool(np.isfinite(own) and own <= factor * np.median(roughness[near])))
-    return found
-
-
-def _fits(
-    grey: GreyPicture, grid: AprilGrid, quad: Pixels, settings: DetectSettings
-) -> list[SettledCorner | None]:
-    """Return the fits of a tag's four corners."""
-    cells = opencv_dictionary(grid.dictionary).markerSize + 2 * grid.border_cells
-    return [
-        fit_tag_saddle(
-            grey,
-            TagSaddle(
-                centre=quad[k],
-                edges=np.stack([quad[(k + 1) % 4] - quad[k], quad[k - 1] - quad[k]], axis=1),
-                gap=grid.tag_spacing,
-                border=grid.border_cells / cells,
-            ),
-            settings.corner,
-        )
-        for k in range(4)
-    ]
-
-
-def _refined(quad: Pixels, fits: list[SettledCorner | None]) -> Pixels:
-    """Return a tag's corners, each as fitted where it is."""
-    return np.array([q if fit is None else fit.centre for q, fit in zip(quad, fits, strict=True)])
-
-
 def _is_smooth(corners: Corners, ok: np.ndarray, settings: DetectSettings) -> bool:
     """Tell whether corners of one kind, which are evenly spaced, lie on a smooth surface, of each kind."""
-    for kind in _OFFSETS:
+    for kind in OFFSETS:
         own = [int(k) for k in ok if tuple(corners.index[k] % 2) == kind]
         part = corners.select(np.array(own, dtype=np.int64))
         part = Corners(part.index // 2, part.seen_at, part.fits)
-        if not part.spans_a_plane():
+        if not _determines_a_map(part.index):
             continue
         lattice = Lattice({(int(i), int(j)): k for k, (i, j) in enumerate(part.index)})
         if not is_smooth(lattice, part.seen_at, settings.grid):
+            return False
+    return True
+
+
+def _determines_a_map(nodes: np.ndarray) -> bool:
+    """Tell whether nodes (n, 2) determine a homography: without any one of them the others span a plane."""
+    if len(nodes) < _FEWEST:
+        return False
+    middle = nodes - nodes.mean(axis=0)
+    for k in range(len(nodes)):
+        others = np.delete(middle, k, axis=0)
+        if np.linalg.matrix_rank(others - others[0]) < nodes.shape[1]:
             return False
     return True

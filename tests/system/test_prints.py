@@ -39,20 +39,7 @@ def rasterised(labcal: Run, name: str, folder: Path, dpi: int = DPI) -> Path:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(
-            one,
-            marks=pytest.mark.xfail(
-                one == "aprilgrid-6x6",
-                strict=True,
-                reason="an eighth of the corners of an AprilGrid without any blur are flagged bad-fit",
-            ),
-        )
-        for one in ONE_OF_A_KIND
-    ],
-)
+@pytest.mark.parametrize("name", ONE_OF_A_KIND)
 def test_a_raster_of_the_pdf_has_the_pitch_and_tells_the_target(
     labcal: Run, name: str, tmp_path: Path
 ) -> None:

@@ -1,8 +1,11 @@
 """The print of an AprilGrid as a function of the place on it, to draw pictures from."""
 
+from math import floor, hypot
+
 import numpy as np
 
 from labcal.bench.marks.drawn_picture import Print
+from labcal.detect.compiled import compiled
 from labcal.targets.april_grid import AprilGrid
 from labcal.targets.april_grid_outlines import tag_cells
 
@@ -12,6 +15,8 @@ _ROUNDING = 1e-9
 """Of a number of cells."""
 _BEYOND = 0.6
 """Share of ink of what lies behind the paper."""
+_FLATTEST = 1e-12
+"""Cells a sample."""
 
 
 def april_grid_ink(grid: AprilGrid) -> Print:
@@ -48,22 +53,45 @@ def april_grid_ink(grid: AprilGrid) -> Print:
     whole = np.pad(whole, 1, constant_values=_BEYOND)
 
     def ink(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        value = np.zeros(np.shape(x))
-        (left, right_share), (below, upper_share) = (
-            _beside(np.nan_to_num(place, nan=-1e6) * cells / grid.tag_mm + rim + 1, size)
-            for place, size in ((x, whole.shape[1]), (y, whole.shape[0]))
+        scale = cells / grid.tag_mm
+        return np.asarray(
+            _ink_at(np.asarray(x, dtype=np.float64) * scale, np.asarray(y) * scale, rim + 1, whole)
         )
-        for up, y_share in ((0, 1.0 - upper_share), (1, upper_share)):
-            for right, x_share in ((0, 1.0 - right_share), (1, right_share)):
-                value += whole[below + up, left + right] * x_share * y_share
-        return value
 
     return ink
 
 
-def _beside(place: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the cell before the edge next to each sample, and the share of the sample beyond that edge."""
-    slope = np.hypot(*np.gradient(place))
-    edge = np.clip(np.rint(place), 1, size - 1)
-    share = np.clip((place - edge) / np.maximum(slope, 1e-12) + 0.5, 0.0, 1.0)
-    return edge.astype(int) - 1, share
+@compiled
+def _ink_at(x: np.ndarray, y: np.ndarray, first: int, whole: np.ndarray) -> np.ndarray:
+    """Return the share of ink of samples (h, w) at places in cells; `whole` (rows, cols) is of cells.
+
+    Cell (first, first) is that at the origin. NaN is behind the camera.
+    """
+    height, width = x.shape
+    value = np.full((height, width), whole[0, 0])
+    for j in range(height):
+        for i in range(width):
+            if np.isnan(x[j, i]) or np.isnan(y[j, i]):
+                continue
+            col, right = _beside(x, j, i, first, whole.shape[1])
+            row, upper = _beside(y, j, i, first, whole.shape[0])
+            below = (1.0 - right) * whole[row, col] + right * whole[row, col + 1]
+            above = (1.0 - right) * whole[row + 1, col] + right * whole[row + 1, col + 1]
+            value[j, i] = (1.0 - upper) * below + upper * above
+    return value
+
+
+@compiled
+def _beside(place: np.ndarray, j: int, i: int, first: int, size: int) -> tuple[int, float]:
+    """Return the cell before the edge next to a sample, and the share of the sample beyond that edge."""
+    height, width = place.shape
+    up, down = max(j - 1, 0), min(j + 1, height - 1)
+    left, right = max(i - 1, 0), min(i + 1, width - 1)
+    slope = hypot(
+        (place[down, i] - place[up, i]) / max(down - up, 1),
+        (place[j, right] - place[j, left]) / max(right - left, 1),
+    )
+    at = place[j, i] + first
+    edge = min(max(floor(at + 0.5), 1), size - 1)
+    share = min(max((at - edge) / max(slope, _FLATTEST) + 0.5, 0.0), 1.0)
+    return edge - 1, share

@@ -48,6 +48,47 @@ class ImagedCorner:
     reach: float = 0.5
     clear: float = 1.0
 
+    @property
+    def directions(self) -> np.ndarray:
+        """Vectors along both edges, in columns, between which it is white."""
+        return self.axes
+
+    def counts(self, along: np.ndarray) -> np.ndarray:
+        """Return which pixels count, by their coordinates along the edges (2, h, w), in squares."""
+        away = np.abs(along)
+        return np.asarray((away.max(axis=0) <= self.reach) & (away.min(axis=0) <= self.clear))
+
+
+@dataclass(frozen=True)
+class ImagedTagCorner(ImagedCorner):
+    """The parameters of the image of a corner of a tag, where a small square touches it.
+
+    The axes are the tag's edges, into the tag. Pixels count to the middles of all four edges that meet: in
+    the tag up to its cells, beside it and in the small square up to the middle of the white space.
+
+    Attributes
+    ----------
+    gap : float
+        Side of the small square, in tags.
+    border : float
+        Width of the tag's black border, in tags.
+    """
+
+    gap: float = 0.3
+    border: float = 0.2
+
+    @property
+    def directions(self) -> np.ndarray:
+        """Vectors along both edges, in columns, between which it is white."""
+        return np.asarray(self.axes * [1.0, -1.0])
+
+    def counts(self, along: np.ndarray) -> np.ndarray:
+        """Return which pixels count, by their coordinates along the edges (2, h, w), in tags."""
+        nearest, farthest = along.min(axis=0), along.max(axis=0)
+        return np.asarray(
+            (nearest >= -self.reach * self.gap) & (farthest <= self.reach) & (nearest <= self.border)
+        )
+
 
 def corner_bounds(corner: ImagedCorner, noises: np.ndarray) -> np.ndarray:
     """Return the least covariances of a corner's place under several noises, px squared, shape (k, 2, 2).
@@ -72,7 +113,7 @@ def _derivatives(corner: ImagedCorner) -> tuple[np.ndarray, np.ndarray]:
     low = np.floor(corner.centre - extent).astype(int)
     width, height = (np.ceil(corner.centre + extent).astype(int) - low + 1).tolist()
     centre = corner.centre - low
-    angles = np.arctan2(corner.axes[1], corner.axes[0])
+    angles = np.arctan2(corner.directions[1], corner.directions[0])
     at = np.array([*centre, *angles, corner.blur_px])
     length = corner.reach * np.linalg.norm(corner.axes, axis=0)
     steps = STEP * np.array([1.0, 1.0, *(1.0 / length), 1.0])
@@ -88,7 +129,7 @@ def _derivatives(corner: ImagedCorner) -> tuple[np.ndarray, np.ndarray]:
     away = np.stack([x - centre[0], y - centre[1]])
     level = (corner.light + fall * black) / corner.light
     along = np.einsum("ij,jhw->ihw", np.linalg.inv(corner.axes), away)
-    inside = (np.abs(along).max(axis=0) <= corner.reach) & (np.abs(along).min(axis=0) <= corner.clear)
+    inside = corner.counts(along)
     D = np.stack([*shaped, 1.0 - black, black, level * away[0], level * away[1]])
     return D[:, inside], black[inside]
 

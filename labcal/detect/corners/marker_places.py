@@ -163,7 +163,8 @@ def through_markers(
 
 def _nearest(placed: list[int], k: int, at: Float64[np.ndarray, "n 2"]) -> list[int]:
     """Return the few markers in place that are nearest to one."""
-    return sorted(placed, key=lambda one: float(np.linalg.norm(at[one] - at[k])))[:_NEAREST]
+    away = np.hypot(*(at[placed] - at[k]).T)
+    return [placed[one] for one in np.argsort(away, kind="stable")[:_NEAREST]]
 
 
 def _goes_on(every: SeenMarkers, placed: SeenMarkers, board: CharucoBoard, settings: CornerSettings) -> bool:
@@ -206,7 +207,7 @@ def _agreeing(
     """Return the markers that agree with one, by number in `seen`; of one id the first that does."""
     centre = on_board.mean(axis=1)
     placed, taken = [seed], {int(seen.number[seed])}
-    distance = np.linalg.norm(centre - centre[seed], axis=1)
+    distance = np.hypot(*(centre - centre[seed]).T)
     left = {k for k in range(len(centre)) if k != seed}
     while left:
         k = min(left, key=lambda one: (distance[one], one))
@@ -221,6 +222,5 @@ def _agreeing(
             continue
         placed.append(k)
         taken.add(int(seen.number[k]))
-        for other in left:
-            distance[other] = min(distance[other], float(np.linalg.norm(centre[other] - centre[k])))
+        distance = np.minimum(distance, np.hypot(*(centre - centre[k]).T))
     return placed

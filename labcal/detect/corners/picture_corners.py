@@ -7,6 +7,7 @@ from labcal.detect.corners.corner_fit import is_cut, judge
 from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.edge_waves import wavelengths
+from labcal.detect.corners.hard_edges import hard_edge_covariance
 from labcal.detect.dots import PictureDots
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.outline_noise import beside_flat_parts, smooth_wave_ratio
@@ -39,7 +40,12 @@ def picture_corners(
     fits = [None if fit is None else judge(fit, settings.corner) for fit in corners.fits]
     factor = _factor([fit for fit in fits if fit is not None], settings.edge)
     missing = np.full((2, 2), np.nan)
-    covariance = [missing if fit is None else factor * fit.covariance for fit in fits]
+    covariance = [
+        missing
+        if fit is None or settled is None
+        else factor * fit.covariance + hard_edge_covariance(settled, settings.corner.min_blur_px)
+        for fit, settled in zip(fits, corners.fits, strict=True)
+    ]
     dots = PictureDots(
         size=(grey.shape[1], grey.shape[0]),
         polarity=Polarity.BLACK_ON_WHITE,

@@ -5,12 +5,18 @@ from jaxtyping import Float64
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.marker_places import SeenMarkers, markers_that_agree, through_markers
-from labcal.detect.corners.tag_quads import SeenTags
+from labcal.detect.corners.tag_codes import SeenTags
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.april_grid import AprilGrid
+from labcal.targets.charuco_opencv import opencv_dictionary
 
 _NEAREST = 3
 """Tags in place that predict the next one."""
+
+
+def cells_along(grid: AprilGrid) -> int:
+    """Return the cells along a side of a tag, its border included."""
+    return int(opencv_dictionary(grid.dictionary).markerSize) + 2 * grid.border_cells
 
 
 def tag_corners(grid: AprilGrid) -> Float64[np.ndarray, "n 4 2"]:
@@ -40,23 +46,29 @@ def tags_in_place(seen: SeenTags, grid: AprilGrid, settings: CornerSettings) -> 
     return {int(tags.number[k]): tags.corners[k] for k in best}
 
 
-def expected_tags(placed: dict[int, Pixels], grid: AprilGrid) -> dict[int, Pixels]:
-    """Return where the tags next to those in place should be, px, by the homography of the nearest few.
+def next_tag(placed: dict[int, Pixels], grid: AprilGrid, tried: set[int]) -> tuple[int, Pixels] | None:
+    """Return a tag next to those in place that was not tried, and where it should be; None if there is none.
+
+    It is predicted by the homography of the nearest few, px.
 
     Parameters
     ----------
     placed : dict of int to ndarray, shape (4, 2)
         Corners of tags, px, by number.
     grid : AprilGrid
+    tried : set of int
+        The tags in place among them.
     """
-    on_board = tag_corners(grid)
-    known = sorted(placed)
-    found = {}
+    known = np.array(sorted(placed))
     for number in range(grid.tag_count):
-        row, col = divmod(number, grid.tag_cols)
-        away = np.array([max(abs(k // grid.tag_cols - row), abs(k % grid.tag_cols - col)) for k in known])
-        if number in placed or away.min() > 1:
+        if number in tried:
             continue
-        near = [known[k] for k in np.argsort(away, kind="stable")[:_NEAREST]]
-        found[number] = through_markers(np.array([placed[k] for k in near]), on_board[near], on_board[number])
-    return found
+        row, col = divmod(number, grid.tag_cols)
+        away = np.maximum(np.abs(known // grid.tag_cols - row), np.abs(known % grid.tag_cols - col))
+        if away.min() > 1:
+            continue
+        near = known[np.argsort(away, kind="stable")[:_NEAREST]]
+        on_board = tag_corners(grid)
+        seen = np.array([placed[k] for k in near.tolist()])
+        return number, through_markers(seen, on_board[near], on_board[number])
+    return None

@@ -8,10 +8,15 @@ import pytest
 from scipy.stats import chi2
 
 from labcal.bench.boards.april_grid_ink import april_grid_ink
-from labcal.bench.marks.drawn_picture import Cover, Exposure, drawn, tilted
+from labcal.bench.boards.april_grid_picture import AprilGridPicture
+from labcal.bench.boards.corner_bound import ImagedTagCorner, corner_bounds
+from labcal.bench.marks.drawn_picture import INK, PAPER, Cover, Exposure, drawn, tilted
+from labcal.detect.corners.corners import Corners
+from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
-from labcal.detect.flags import Refusal
+from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.settings import DetectSettings
 from labcal.targets.april_grid import AprilGrid
 
 SIZE = (220, 160)
@@ -103,3 +108,76 @@ def test_borders_of_one_cell_are_read_too() -> None:
     dots = detect_dots(picture(exposure(), grid=one), one)
     assert dots.refusal is None
     assert dots.ok.sum() == one.count
+
+
+def test_errors_are_near_the_bound() -> None:
+    squares, bounds = 0.0, 0.0
+    for seed, tilt in enumerate((0.1, 0.6)):
+        how = exposure(tilt=tilt)
+        shown = AprilGridPicture(
+            picture(how, seed), GRID, how, how.seen(GRID.points()[:, :2]), np.ones(GRID.count, dtype=bool)
+        )
+        dots = detect_dots(shown.picture, GRID)
+        for off, (col, row) in zip(errors(dots, how), dots.index[dots.ok], strict=True):
+            number = int(row * GRID.cols + col)
+            light = float(how.light(shown.corner[number]))
+            corner = ImagedTagCorner(shown.corner[number], shown.axes(number), 1.0,
+                                     INK * light, PAPER * light, gap=0.3, border=0.2)  # fmt: skip
+            noise = 0.01 * np.sqrt(0.5 * light * (INK + PAPER))
+            bounds += float(np.trace(corner_bounds(corner, np.array([[noise, noise]]))[0]))
+            squares += float((off**2).sum())
+    assert np.sqrt(squares / bounds) < 1.2
+
+
+def test_small_cells_that_are_blurred_are_read() -> None:
+    for seed, roll in enumerate((0.1, 0.9, -2.0)):
+        how = exposure(tilt=0.3, roll=roll, tag=17.0, blur=0.8)
+        dots = detect_dots(picture(how, seed), GRID)
+        assert dots.refusal is None
+        assert dots.ok.sum() == GRID.count
+        assert np.abs(errors(dots, how)).max() < 0.15
+
+
+def test_edges_along_the_rows_without_any_blur_are_measured() -> None:
+    # Every tag runs otherwise between the pixels.
+    H = np.array([[4.03, 0.0, 40.2], [0.0, -4.03, 130.4], [0.0, 0.0, 1.0]])
+    how = Exposure(SIZE, H, 0.02, np.zeros(2), 0.001)
+    dots = detect_dots(picture(how), GRID)
+    assert dots.refusal is None
+    assert dots.ok.sum() == GRID.count
+    assert np.abs(errors(dots, how)).max() < 0.15
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+def test_thresholded_pictures_state_what_hard_edges_leave(turn: float) -> None:
+    squares, count = 0.0, 0
+    for shift in (0.0, 0.3, 0.6, 0.9):
+        c, s = 4.03 * np.cos(turn), 4.03 * np.sin(turn)
+        how = Exposure(
+            SIZE,
+            np.array([[c, s, 45.2 + shift], [s, -c, 125.1 + shift], [0.0, 0.0, 1.0]]),
+            0.02,
+            np.zeros(2),
+            0.001,
+        )
+        dots = detect_dots(np.where(picture(how) > 110, 220, 30).astype(np.uint8), GRID)
+        off = errors(dots, how)
+        assert len(off) > 0.7 * GRID.count
+        squares += float(np.einsum("ni,nij,nj->", off, np.linalg.inv(dots.covariance[dots.ok]), off))
+        count += 2 * len(off)
+    # Corners of one grid share where their edges run between pixels: this is no chi-square.
+    assert squares / count < 1.5
+
+
+def test_torn_corners_are_told_from_too_few_by_their_own_flags() -> None:
+    # Tags 0 and 1, tag by tag as they are found; only the lower row of corners is clear of the frame.
+    index = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [2, 0], [3, 0], [3, 1], [2, 1]])
+    places = np.array([20.0, 100.0]) + [30.0, -99.0] * index
+    grey = np.zeros((160, 220), dtype=np.float32)
+    few = Corners(index, places, [None] * len(index))
+    dots = picture_corners(few, grey, None, DetectSettings())
+    assert [flag is DotFlag.CUT for flag in dots.flag] == [False] * 4 + [True] * 4
+    assert refused_as_few(dots, few.index, "").refusal is Refusal.TOO_FEW_DOTS
+    torn = Corners(index, places + np.array([0.0, 40.0]), [None] * len(index))
+    dots = picture_corners(torn, grey, None, DetectSettings())
+    assert refused_as_few(dots, torn.index, "").refusal is Refusal.TORN_CORNERS

@@ -1,0 +1,49 @@
+"""Uncertainty of corners whose edges have no blur: between pixels an edge leaves no trace of its place."""
+
+import numpy as np
+
+from labcal.detect.corners.corner_fit import SettledCorner
+
+_AT_LEAST = 1.001
+"""A blur up to so many times the least one is bound by it."""
+_NEAR_PX = 1.0
+"""Distance from an edge of the pixels that it can run through."""
+_INTERMEDIATE = 0.8
+"""Of the step from the mean to black or white: pixels within are partly covered."""
+_UNSEEN = 1.0 / 12.0
+"""Variance of the place of an edge between two pixels, uniform over a pixel, px squared."""
+_COVERED = 0.06**2
+"""The same where pixels are partly covered: what the blurred model makes of a covered share, px squared."""
+
+
+def hard_edge_covariance(fit: SettledCorner, least_blur: float) -> np.ndarray:
+    """Return the covariance of a corner's place that hard edges add, px squared, shape (2, 2).
+
+    It is zero where the edges are blurred. A photograph always is; drawings, rasters and thresholded pictures
+    are not. An edge that is turned against the pixels runs through m of them across its length, evenly: its
+    mean place is then off by 1 / m.
+
+    Parameters
+    ----------
+    fit : SettledCorner
+    least_blur : float
+        The least blur of a fit, px.
+    """
+    variances, offset = np.zeros(2), fit.window.offset - fit.state[:2, None]
+    normals = np.stack([np.cos(fit.state[2:4]), np.sin(fit.state[2:4])], axis=1)
+    level = np.abs(fit.window.value - fit.state[6]) / abs(float(fit.state[7]))
+    for edge, (blur, normal) in enumerate(zip(fit.state[4:6].tolist(), normals, strict=True)):
+        if blur > _AT_LEAST * least_blur:
+            continue
+        near = np.abs(normal @ offset) < _NEAR_PX
+        # Pixels at the other edge say nothing of this one.
+        near &= np.abs(normals[1 - edge] @ offset) > 2.0 * _NEAR_PX
+        covered = bool((level[near] < _INTERMEDIATE).any())
+        along = np.array([-normal[1], normal[0]]) @ offset[:, near]
+        length = float(np.ptp(along)) if near.any() else 0.0
+        crossed = max(1.0, length * float(np.abs(normal).min() / np.abs(normal).max()))
+        variances[edge] = (_COVERED if covered else _UNSEEN) / crossed**2
+    if not variances.any():
+        return np.zeros((2, 2))
+    inverse = np.linalg.inv(normals)
+    return np.asarray((inverse * variances) @ inverse.T)
