@@ -14,10 +14,10 @@ from labcal.cameras.interop.exchange import (
     ReadRig,
     RigFormat,
     RigTexts,
-    SourceText,
     Unit,
 )
 from labcal.cameras.interop.registry import FORMATS, format_by_name, recognised_format
+from labcal.cameras.interop.source_file import read_source
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_file import checked_rig
@@ -26,7 +26,6 @@ from labcal.geometry.poses import inverse
 from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FileOutput, FolderOutput, Output
 from labcal.run.file_kinds import FileKind
-from labcal.run.file_reading import read_bytes
 from labcal.run.outputs import write_file
 from labcal.run.overwriting import require_file_place
 from labcal.run.unfinished import unfinished_folder
@@ -70,7 +69,7 @@ def read_rig_files(
     files = _files(given_paths, wanted)
     together = sum(path.stat().st_size for path in files if path.is_file())
     _require_size(files[0], together, _MOST_TOGETHER)
-    sources = [_source(path, wanted) for path in files]
+    sources = [read_source(path, _MOST_BYTES if wanted is None else wanted.most_bytes) for path in files]
     found = [(source, wanted or recognised_format(source)) for source in sources]
     in_folder = any(path.is_dir() for path in given_paths)
     by_path = {source.path: source for source in sources}
@@ -92,7 +91,7 @@ def read_rig_files(
         sources = [source for source, _ in known]
     for source in sources:
         _require_size(source.path, len(source.data), chosen.most_bytes)
-        if not source.is_text and not chosen.binary:
+        if not source.is_text and not chosen.binary and not chosen.recognises(source.text):
             raise InputError(f"{source.path} is no text file, as those of the format '{chosen.name}' are.")
     _require_options(chosen, given)
     read = chosen.read(sources, given)
@@ -272,17 +271,6 @@ def _files(paths: Sequence[Path], wanted: RigFormat | None) -> list[Path]:
             f"These are {len(files)} files, more than cameras of any rig. Name those of the rig."
         )
     return files
-
-
-def _source(path: Path, wanted: RigFormat | None) -> SourceText:
-    """Read a file of sensible size."""
-    most = _MOST_BYTES if wanted is None else wanted.most_bytes
-    data = read_bytes(path, "file", most)
-    try:
-        text = data.decode("latin-1" if b"\0" in data else "utf-8-sig")
-    except UnicodeDecodeError:
-        text = data.decode("latin-1")
-    return SourceText(path, text, data)
 
 
 def _require_size(path: Path, length: int, most: int) -> None:
