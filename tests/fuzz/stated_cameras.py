@@ -90,8 +90,10 @@ def _of_K(K: Any) -> tuple[float, float, float, float]:
 def _labcal(files: Files) -> list[Stated]:
     (data,) = files.values()
     cameras = json.loads(data.decode("utf-8-sig"))["cameras"].values()
-    return [stated_camera(_of_K(one["K"]), one["dist"], np.array(one["T_cam_world"], dtype=float), one["size"])
-            for one in cameras]  # fmt: skip
+    return [
+        stated_camera(_of_K(one["K"]), one["dist"], np.array(one["T_cam_world"], dtype=float), one["size"])
+        for one in cameras
+    ]
 
 
 def _yaml(data: bytes) -> Any:

@@ -16,6 +16,7 @@ from labcal.cameras.interop.exchange import (
     RigTexts,
     Unit,
 )
+from labcal.cameras.interop.given_files import given_files, one_format
 from labcal.cameras.interop.registry import FORMATS, format_by_name, recognised_format
 from labcal.cameras.interop.source_file import read_source
 from labcal.cameras.record import CameraRecord
@@ -32,7 +33,6 @@ from labcal.run.unfinished import unfinished_folder
 
 _MOST_BYTES = max(one.most_bytes for one in FORMATS.values())
 _MOST_TOGETHER = 4 * _MOST_BYTES
-_MOST_FILES = 100
 _LIKELY_MM = (1.0, 1e5)
 """Distances of two cameras that are taken as they stand."""
 
@@ -66,7 +66,7 @@ def read_rig_files(
     """
     wanted = None if format_name is None else format_by_name(format_name)
     given_paths = [as_path(path) for path in paths]
-    files = _files(given_paths, wanted)
+    files = given_files(given_paths, wanted)
     together = sum(path.stat().st_size for path in files if path.is_file())
     _require_size(files[0], together, _MOST_TOGETHER)
     sources = [read_source(path, _MOST_BYTES if wanted is None else wanted.most_bytes) for path in files]
@@ -82,11 +82,7 @@ def read_rig_files(
             "name it: `from_format='FORMAT'`."
         )
     kinds = {one.name: one for _, one in known}
-    if len(kinds) != 1:
-        raise InputError(
-            f"These files are of several formats: {', '.join(kinds)}. Name one: `from_format='FORMAT'`."
-        )
-    (chosen,) = kinds.values()
+    chosen, of_both = one_format(list(kinds.values()), sources)
     if chosen.home is not Home.FOLDER:
         sources = [source for source, _ in known]
     for source in sources:
@@ -98,7 +94,7 @@ def read_rig_files(
     unit = _unit_of(read, chosen, given)
     rig = _in_unit(read.rig, unit.mm / chosen.unit.mm)
     checked_rig(rig, str(sources[0].path))
-    return chosen, replace(read, rig=rig, unit=unit)
+    return chosen, replace(read, rig=rig, unit=unit, notes=(*([of_both] if of_both else ()), *read.notes))
 
 
 def baseline_mm(rig: Rig) -> float | None:
@@ -252,25 +248,6 @@ def _file_kind(chosen: RigFormat) -> FileKind:
 
 def _command(folder: dict[str, str | bytes]) -> str:
     return f"convert {sorted(folder)}"
-
-
-def _files(paths: Sequence[Path], wanted: RigFormat | None) -> list[Path]:
-    """Return files, with folders replaced by the files in them that end as the formats do."""
-    formats = FORMATS.values() if wanted is None else [wanted]
-    endings = {suffix for one in formats for suffix in one.suffixes}
-    files: list[Path] = []
-    for path in paths:
-        if path.is_dir():
-            files += sorted(entry for entry in path.iterdir() if entry.suffix.lower() in endings)
-        else:
-            files.append(path)
-    if not files:
-        raise InputError(f"There is no file of any format in {', '.join(map(str, paths))}.")
-    if len(files) > _MOST_FILES:
-        raise InputError(
-            f"These are {len(files)} files, more than cameras of any rig. Name those of the rig."
-        )
-    return files
 
 
 def _require_size(path: Path, length: int, most: int) -> None:

@@ -9,6 +9,7 @@ from jaxtyping import Float64
 
 from labcal.bounds import MOST_PICTURES
 from labcal.errors import InputError
+from labcal.run.decimal_words import decimal
 from labcal.run.tables import MOST_LINES
 from labcal.targets.target import Target
 
@@ -100,7 +101,7 @@ def positive_sigma(word: str, path: Path) -> float:
         It is no positive number of a sane size.
     """
     try:
-        value = float(word)
+        value = decimal(word)
     except ValueError:
         value = np.nan
     if not (np.isfinite(value) and _LEAST_WEIGHT <= value <= 1.0 / _LEAST_WEIGHT):
@@ -125,7 +126,7 @@ def _point(fields: list[str], kind: str | None) -> tuple[float, float, float]:
         raise ValueError(fields)
     if "-" in fields:
         return _MISSING
-    x, y, last = (*(float(field) for field in fields), 1.0)[:3]
+    x, y, last = (*(decimal(field) for field in fields), 1.0)[:3]
     if not all(map(isfinite, (x, y, last))) or (kind == "level" and last > _MOST_LEVEL) or not _weighs(last):
         raise ValueError(fields)
     if kind == "level":
