@@ -1,4 +1,4 @@
-"""``PYTHONPATH=tests python -m fuzz.files --count 3000``: mutants of each kind of file, and what came of them.
+"""``PYTHONPATH=tests python -m fuzz.files --count 3000``: mutants of files, and what came of them.
 
 Each is refused by an error of labcal's own, or read to what an independent reader finds in it.
 """

@@ -22,6 +22,8 @@ from scipy.spatial.transform import Rotation
 
 Files = Mapping[str, bytes]
 """Content of files by name, in the order in which they are given."""
+_ROUNDED = 2e-6
+"""A matrix that is a rotation but for so much may be taken as it stands, or for the nearest one."""
 _COLMAP = ("SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "OPENCV_FISHEYE", "FULL_OPENCV")
 
 
@@ -50,7 +52,7 @@ class Stated:
         if None not in (self.size, other.size) and self.size != other.size:
             found.append("size")
         far = max(1.0, float(np.abs(other.T_cam_world).max()))
-        if not np.allclose(self.T_cam_world, other.T_cam_world, rtol=0.0, atol=1e-9 * far):
+        if not np.allclose(self.T_cam_world, other.T_cam_world, rtol=0.0, atol=_ROUNDED * far):
             found.append("pose")
         return found
 
