@@ -12,6 +12,7 @@ from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import beginning_with
+from labcal.run.file_reading import first_line
 from labcal.run.names import is_name
 from labcal.run.outputs import write_file
 from labcal.run.table_columns import TableLines, table_parts
@@ -126,6 +127,11 @@ def _read_columns(path: Path) -> tuple[np.ndarray, ...]:
         It cannot be read, has other columns, a line in it is damaged, two lines are of the same dot of a
         picture, or a picture has two names or sizes; the line is named.
     """
+    if first_line(path).startswith(b"#") and path.suffix.lower() != ".csv":
+        raise InputError(
+            f"{path} is no table of detections, but may be a corners.vnl of mrcal or mrgingham. Convert it "
+            f"first: labcal convert {path} detections.csv --target NAME, and `cameras` if there are several."
+        )
     pictures = PicturesOfLines(path)
     read = [_columns(part, pictures) for part in table_parts(HEADER, "detections", path)]
     if read:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.bounds import MOST_PICTURES
+from labcal.bounds import MOST_DOTS, MOST_PICTURES
 from labcal.errors import InputError
 from labcal.run.decimal_words import decimal
 from labcal.run.tables import MOST_LINES
@@ -33,7 +33,7 @@ def points_by_image(
     kind : str or None
         Third column: ``weight``, ``level``, or none.
     target : Target
-        An image has no more points than it.
+        For messages.
     path : Path
         For messages.
 
@@ -58,8 +58,8 @@ def points_by_image(
                 f"Line {number} of {path} is damaged: '{' '.join(fields):.60}' should be x, y and a "
                 f"{kind or 'weight'}."
             ) from error
-        if len(points) > target.count:
-            raise _other_count(image, "more than " + str(target.count), target, path)
+        if len(points) > MOST_DOTS:
+            raise _other_count(image, len(points), target, path)
         if len(images) > MOST_PICTURES:
             raise InputError(f"{path} lists more than {MOST_PICTURES} images. Split it.")
     if not images:
@@ -81,14 +81,18 @@ def whole_grid(
         return points
     if len(points) == 1 and points[0, 2] == 0.0:
         return np.zeros((target.count, 3))
-    raise _other_count(image, str(len(points)), target, path)
+    raise _other_count(image, len(points), target, path)
 
 
-def _other_count(image: str, points: str, target: Target, path: Path) -> InputError:
+def _other_count(image: str, points: int, target: Target, path: Path) -> InputError:
     """Return the error for an image whose points cannot be those of the target."""
+    side = round(points**0.5)
+    cols = rows = str(side) if side * side == points else "N"
     return InputError(
         f"{path}: {image:.60} has {points} points, but '{target.name}' has {target.cols} x "
-        f"{target.rows}. Name the target that the pictures show."
+        f"{target.rows}. Name the target that the pictures show. mrgingham and mrcal take chessboards, which a "
+        f"file such as board.yaml describes: kind: chessboard, name: board, cols: {cols}, rows: {rows} (corners), "
+        "square_mm: LENGTH, each in a line."
     )
 
 
