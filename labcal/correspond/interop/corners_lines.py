@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.bounds import MOST_DOTS, MOST_PICTURES
+from labcal.bounds import MOST_PICTURES
 from labcal.errors import InputError
 from labcal.run.decimal_words import decimal
 from labcal.run.tables import MOST_LINES
@@ -18,6 +18,8 @@ _COMMENT = "#"
 _LONGEST_LINE = 2**14
 _MISSING = (0.0, 0.0, 0.0)
 _MOST_LEVEL = 30
+_MOST_COUNTED = 1000
+"""Points of an image that are counted before it is given up, if the target has fewer."""
 _LEAST_WEIGHT = 1e-10
 
 
@@ -58,8 +60,8 @@ def points_by_image(
                 f"Line {number} of {path} is damaged: '{' '.join(fields):.60}' should be x, y and a "
                 f"{kind or 'weight'}."
             ) from error
-        if len(points) > MOST_DOTS:
-            raise _other_count(image, len(points), target, path)
+        if len(points) > max(target.count, _MOST_COUNTED):
+            raise _other_count(image, f"more than {len(points) - 1}", target, path)
         if len(images) > MOST_PICTURES:
             raise InputError(f"{path} lists more than {MOST_PICTURES} images. Split it.")
     if not images:
@@ -81,17 +83,17 @@ def whole_grid(
         return points
     if len(points) == 1 and points[0, 2] == 0.0:
         return np.zeros((target.count, 3))
-    raise _other_count(image, len(points), target, path)
+    raise _other_count(image, str(len(points)), target, path)
 
 
-def _other_count(image: str, points: int, target: Target, path: Path) -> InputError:
+def _other_count(image: str, points: str, target: Target, path: Path) -> InputError:
     """Return the error for an image whose points cannot be those of the target."""
-    side = round(points**0.5)
-    cols = rows = str(side) if side * side == points else "N"
+    side = round(float(points) ** 0.5) if points.isdigit() else 0
+    corners = f"cols: {side}, rows: {side}" if str(side * side) == points else "cols: N, rows: N"
     return InputError(
         f"{path}: {image:.60} has {points} points, but '{target.name}' has {target.cols} x "
-        f"{target.rows}. Name the target that the pictures show. mrgingham and mrcal take chessboards, which a "
-        f"file such as board.yaml describes: kind: chessboard, name: board, cols: {cols}, rows: {rows} (corners), "
+        f"{target.rows}. Name the target that the pictures show. mrgingham and mrcal take chessboards, "
+        f"which a file such as board.yaml describes: kind: chessboard, name: board, {corners} (corners), "
         "square_mm: LENGTH, each in a line."
     )
 
