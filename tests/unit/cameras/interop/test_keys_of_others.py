@@ -168,7 +168,8 @@ def test_kalibr_that_contradicts_itself(tmp_path: Path) -> None:
         )
         return (
             f"cam{number}:\n  camera_model: pinhole\n  distortion_model: radtan\n"
-            f"  distortion_coeffs: [0, 0, 0, 0]\n  intrinsics: [500, 501, 320, 240]\n  resolution: [640, 480]\n{rows}"
+            f"  distortion_coeffs: [0, 0, 0, 0]\n  intrinsics: [500, 501, 320, 240]\n  resolution: [640, 480]\n"
+            + rows
         )
 
     step, on_imu, away = np.eye(4), np.eye(4), np.eye(4)
