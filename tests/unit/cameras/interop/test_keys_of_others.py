@@ -166,11 +166,9 @@ def test_kalibr_that_contradicts_itself(tmp_path: Path) -> None:
         rows = "".join(
             f"  {key}:\n" + "".join(f"  - {row}\n" for row in pose.tolist()) for key, pose in poses
         )
-        return (
-            f"cam{number}:\n  camera_model: pinhole\n  distortion_model: radtan\n"
-            f"  distortion_coeffs: [0, 0, 0, 0]\n  intrinsics: [500, 501, 320, 240]\n  resolution: [640, 480]\n"
-            + rows
-        )
+        size = "  intrinsics: [500, 501, 320, 240]\n  resolution: [640, 480]\n"
+        lens = "  camera_model: pinhole\n  distortion_model: radtan\n  distortion_coeffs: [0, 0, 0, 0]\n"
+        return f"cam{number}:\n{lens}{size}{rows}"
 
     step, on_imu, away = np.eye(4), np.eye(4), np.eye(4)
     step[:3, :3], step[:3, 3], away[0, 3] = R, T / 1000.0, 0.004
