@@ -1,7 +1,9 @@
 """Mutated files of cameras: refused by labcal's own errors, or read to what they state."""
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -54,30 +56,26 @@ def readings(name: str, folder: Path, seed: int, count: int) -> Iterator[Reading
         The same one gives the same mutants.
     count : int
     """
-    chosen = FORMATS[name]
+    chosen = FORMATS[name.split(".", maxsplit=1)[0]]
     rng = np.random.default_rng([seed, *name.encode()])
     unit = Unit.MILLIMETRES if "unit" in chosen.options else None
     if chosen.unit is Unit.METRES:
         unit = Unit.METRES
     given = ReadOptions(size=(640, 480) if name == "matchid" else None, unit=unit)
-    rig = example_rig("brown4" if name == "kalibr" else "brown5")
-    written = chosen.write(rig, chosen.suffixes[0]).files
-    files: Files = {
-        one.label if chosen.home is Home.FOLDER else f"{one.label or 'rig'}{chosen.suffixes[0]}":
-            one.text.encode() if isinstance(one.text, str) else one.text
-        for one in written
-    }  # fmt: skip
+    files = _files(name, example_rig("brown4" if name == "kalibr" else "brown5"))
     for file, content in files.items():
         (folder / file).write_bytes(content)
     inputs = [folder] if chosen.home is Home.FOLDER else [folder / file for file in files]
     meant = READERS[name](files)
     number = 0
     for file, content in files.items():
-        for mutant in file_mutants(content, rng, -(-count // len(files)), binary=chosen.binary):
+        for mutant in file_mutants(
+            content, rng, -(-count // len(files)), binary=chosen.binary or name.endswith(".npz")
+        ):
             (folder / file).write_bytes(mutant)
             number += 1
             try:
-                found = read_rig_files(inputs, name, given)[1].rig
+                found = read_rig_files(inputs, chosen.name, given)[1].rig
             except LabcalError:
                 yield Reading(number, file, mutant, True, ())
                 continue
@@ -86,6 +84,37 @@ def readings(name: str, folder: Path, seed: int, count: int) -> Iterator[Reading
                 continue
             yield Reading(number, file, mutant, False, _faults(name, found, {**files, file: mutant}, meant))
         (folder / file).write_bytes(content)
+
+
+def _files(name: str, rig: Rig) -> Files:
+    """Return the files of a format, or of a form of it that is not written."""
+    chosen, _, form = name.partition(".")
+    made = FORMATS[chosen]
+    if form in {"json", "npz"}:
+        first, second = rig.cameras.values()
+        T = np.array(second.T_cam_world)
+        arrays = {
+            "M1": first.K,
+            "D1": first.dist,
+            "M2": second.K,
+            "D2": second.dist,
+            "R": T[:3, :3],
+            "T": T[:3, 3],
+        }
+        content = {key: np.array(value) for key, value in arrays.items()}
+        if form == "json":
+            sizes = {"image_width": 640, "image_height": 480}
+            listed = {key: value.tolist() for key, value in content.items()}
+            return {"rig.json": json.dumps({**sizes, **listed}, indent=1).encode()}
+        packed = BytesIO()
+        np.savez(packed, image_size=np.array(first.size), **content)
+        return {"rig.npz": packed.getvalue()}
+    suffix = f".{form}" if form else made.suffixes[0]
+    return {
+        one.label if made.home is Home.FOLDER else f"{one.label or 'rig'}{suffix}":
+            one.text.encode() if isinstance(one.text, str) else one.text
+        for one in made.write(rig, suffix).files
+    }  # fmt: skip
 
 
 def _faults(name: str, found: Rig, files: Files, meant: list[Stated]) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fuzz.faithful import readings
 from fuzz.faithful_tables import TABLES, table_readings
-from labcal.cameras.interop.registry import FORMATS
+from fuzz.stated_cameras import READERS
 
 _SHOWN = 10
 
@@ -29,11 +29,11 @@ def main() -> int:
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
     faults = 0
-    for name in arguments.names or [*FORMATS, *TABLES]:
+    for name in arguments.names or [*READERS, *TABLES]:
         counts: Counter[str] = Counter()
         started = time.monotonic()
         with tempfile.TemporaryDirectory() as folder:
-            of = readings if name in FORMATS else table_readings
+            of = readings if name in READERS else table_readings
             for one in of(name, Path(folder), arguments.seed, arguments.count):
                 counts["refused" if one.refused else "read"] += 1
                 counts["faults"] += bool(one.faults)

@@ -105,11 +105,33 @@ def _yaml(data: bytes) -> Any:
 
 def _opencv(files: Files) -> list[Stated]:
     (data,) = files.values()
-    content = _yaml(data)
+    return _opencv_content(_yaml(data))
+
+
+def _opencv_xml(files: Files) -> list[Stated]:
+    (data,) = files.values()
+    root = ET.fromstring(data.decode("utf-8-sig", "replace"))  # noqa: S314 -- made here
+    content: dict[str, Any] = {}
+    for one in root:
+        content[one.tag] = (one.findtext("data") or "").split() if len(one) else (one.text or "").strip()
+    return _opencv_content(content)
+
+
+def _opencv_npz(files: Files) -> list[Stated]:
+    (data,) = files.values()
+    with np.load(BytesIO(data), allow_pickle=False) as archive:
+        content = {key: archive[key].ravel().tolist() for key in archive}
+    width, height = content["image_size"]
+    return _opencv_content({**content, "image_width": width, "image_height": height})
+
+
+def _opencv_content(content: Mapping[str, Any]) -> list[Stated]:
+    """Return the cameras of the keys of OpenCV's samples."""
 
     def numbers(key: str) -> list[float]:
         value = content[key]
-        return [float(one) for one in (value["data"] if isinstance(value, dict) else value)]
+        rows = value["data"] if isinstance(value, dict) else value
+        return [float(one) for row in rows for one in (row if isinstance(row, list) else [row])]
 
     size = (content["image_width"], content["image_height"])
     if "M1" not in content:
@@ -288,6 +310,7 @@ def _matchid(files: Files) -> list[Stated]:
 READERS: dict[str, Callable[[Files], list[Stated]]] = {
     "labcal": _labcal, "opencv": _opencv, "mrcal": _mrcal, "kalibr": _kalibr, "ros": _ros,
     "colmap": _colmap, "colmap-binary": _colmap_binary, "dice": _dice, "anipose": _anipose,
-    "matlab": _matlab, "matchid": _matchid,
+    "matlab": _matlab, "matchid": _matchid, "opencv.xml": _opencv_xml, "opencv.json": _opencv,
+    "opencv.npz": _opencv_npz,
 }  # fmt: skip
-"""By format."""
+"""By format, and by ending where a format has several forms."""
