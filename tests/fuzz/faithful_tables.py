@@ -209,11 +209,9 @@ def _read_dlc(path: Path) -> Found:
 
 
 def _stated_dlc(text: str) -> Found:
-    rows = list(csv.reader(io.StringIO(text)))
+    rows = [row for row in csv.reader(io.StringIO(text)) if row]
     found: Found = []
     for row in rows[3:]:
-        if not row:
-            continue
         for at in range(1, len(row)):
             if rows[2][at] != "x":
                 continue

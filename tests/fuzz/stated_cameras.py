@@ -117,6 +117,11 @@ def _opencv_xml(files: Files) -> list[Stated]:
     return _opencv_content(content)
 
 
+def _opencv_json(files: Files) -> list[Stated]:
+    (data,) = files.values()
+    return _opencv_content(_yaml(data.replace(b"\t", b" ")))
+
+
 def _opencv_npz(files: Files) -> list[Stated]:
     (data,) = files.values()
     with np.load(BytesIO(data), allow_pickle=False) as archive:
@@ -310,7 +315,7 @@ def _matchid(files: Files) -> list[Stated]:
 READERS: dict[str, Callable[[Files], list[Stated]]] = {
     "labcal": _labcal, "opencv": _opencv, "mrcal": _mrcal, "kalibr": _kalibr, "ros": _ros,
     "colmap": _colmap, "colmap-binary": _colmap_binary, "dice": _dice, "anipose": _anipose,
-    "matlab": _matlab, "matchid": _matchid, "opencv.xml": _opencv_xml, "opencv.json": _opencv,
+    "matlab": _matlab, "matchid": _matchid, "opencv.xml": _opencv_xml, "opencv.json": _opencv_json,
     "opencv.npz": _opencv_npz,
 }  # fmt: skip
 """By format, and by ending where a format has several forms."""
