@@ -20,7 +20,7 @@ _ENTRY = ".npy"
 _MOST_BYTES, _MOST_ENTRIES = 2**16, 200
 _MOST_NUMBERS = 100
 _NAME_ENDS = 300
-"""Where the name of the first array ends at the latest."""
+"""Characters that the name of the first array is within."""
 _BROKEN = (
     ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError,
     MemoryError, OverflowError, RecursionError, SyntaxError, TypeError, LookupError,
