@@ -129,8 +129,8 @@ def _read_columns(path: Path) -> tuple[np.ndarray, ...]:
     """
     if first_line(path).startswith(b"#") and path.suffix.lower() != ".csv":
         raise InputError(
-            f"{path} is no table of detections, but may be a corners.vnl of mrcal or mrgingham. Make one of it "
-            "with 'labcal convert', and state `target`, and `cameras` if there are several."
+            f"{path} is no table of detections, but may be a corners.vnl of mrcal or mrgingham. Make a "
+            "table of it with 'labcal convert', and state `target`, and `cameras` of several."
         )
     pictures = PicturesOfLines(path)
     read = [_columns(part, pictures) for part in table_parts(HEADER, "detections", path)]
