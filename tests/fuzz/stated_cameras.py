@@ -268,6 +268,8 @@ def _anipose(files: Files) -> list[Stated]:
     for camera in content.values():
         if "matrix" not in camera:
             continue
+        if not {"rotation", "translation"} & set(camera):  # a camera alone may have no place
+            camera = {**camera, "rotation": [0.0] * 3, "translation": [0.0] * 3}  # noqa: PLW2901
         turn = np.array(camera["rotation"], dtype=float).ravel()
         R = Rotation.from_rotvec(turn).as_matrix() if turn.size == 3 else turn
         dist = camera["distortions"]
