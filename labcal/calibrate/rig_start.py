@@ -87,7 +87,9 @@ def placed_cameras(cameras: Sequence[SingleCamera]) -> list[Pose]:
             known = f"'{cameras[0].name}'" if len(placed) == 1 else "the rest of the rig"
             raise InputError(
                 f"Cameras {known} and '{cameras[new].name}' share no view with enough dots in both. Shoot "
-                "the target where both see it, and check that `cameras` names the pairs."
+                "the target where both see it, and check that `cameras` names the pairs. Pictures whose "
+                "names do not pair up are paired in their order by folders or lists: "
+                "`cameras='left=left.txt,right=right.txt'`."
             )
         placed[new] = pose_between(shared[old, new]) @ placed[old]
     return [placed[number] for number in range(len(cameras))]

@@ -182,13 +182,12 @@ def _dots(
     from labcal.cameras.rig_file import read_rig
     from labcal.cli.compiling import announce_compiling
     from labcal.correspond.detections_csv import read_detections
-    from labcal.correspond.dot_source import dots_found
+    from labcal.correspond.dot_source import dots_found, is_dot_table
     from labcal.correspond.picture_set import target_shown
     from labcal.pipeline import detect_settings, measure_pictures, open_pictures
-    from labcal.shoot.pictures import SUFFIXES
 
     first = Path(arguments.pictures[0])
-    if len(arguments.pictures) == 1 and first.is_file() and first.suffix.lower() not in SUFFIXES:
+    if len(arguments.pictures) == 1 and is_dot_table(first):
         for name in ("workers", "cameras", "raw"):
             refuse_option(arguments, name, "is for pictures; a table holds their dots")
         if arguments.changes:

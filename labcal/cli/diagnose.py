@@ -43,15 +43,15 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.cli.compiling import announce_compiling
     from labcal.cli.option_words import in_options
     from labcal.cli.page import asked_page
+    from labcal.correspond.dot_source import is_dot_table
     from labcal.pipeline import diagnose, open_pictures
     from labcal.report.diagnose_result import diagnose_result, diagnose_words
-    from labcal.shoot.pictures import SUFFIXES
 
     if arguments.page is None:
         refuse_option(arguments, "force", "replaces a page, and none is asked for")
     page = asked_page(arguments, session, [*arguments.pictures, arguments.rig])
     first = Path(arguments.pictures[0])
-    if len(arguments.pictures) == 1 and first.is_file() and first.suffix.lower() not in SUFFIXES:
+    if len(arguments.pictures) == 1 and is_dot_table(first):
         for name in ("workers", "cameras", "raw"):
             refuse_option(arguments, name, "is for pictures; a table holds their dots")
         found = diagnose(first, arguments.target, arguments.rig, page=page)

@@ -10,10 +10,10 @@ OPTIONS = {
     name: "--" + name.replace("_", "-")
     for name in (
         "alignment", "budget", "cameras", "date", "detections", "distance_mm", "dots", "dpi", "every",
-        "exposure_us", "force", "gain", "hold_out", "interval_s", "lens", "max_skew_ms", "log", "method",
-        "note", "only", "plan", "quick", "raw", "rectify", "rendered", "rig", "scheduler", "seed", "seeds",
-        "size", "spp", "stage", "start", "target", "temperature_c", "timeout_s", "tone_curve", "tries",
-        "unit",
+        "exposure_us", "force", "gain", "hold_out", "interval_s", "key", "lens", "max_skew_ms", "log",
+        "method", "note", "only", "plan", "quick", "raw", "rectify", "rendered", "rig", "scheduler", "seed",
+        "seeds", "size", "spp", "stage", "start", "target", "temperature_c", "timeout_s", "tone_curve",
+        "tries", "unit",
         "print_scale", "copy", "video_offset", "views", "whole", "workers", "yes",
     )
 } | {

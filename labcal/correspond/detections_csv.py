@@ -12,6 +12,7 @@ from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.run.file_kinds import beginning_with
+from labcal.run.file_reading import first_line
 from labcal.run.names import is_name
 from labcal.run.outputs import write_file
 from labcal.run.table_columns import TableLines, numbers_of_names, table_parts
@@ -137,7 +138,15 @@ def _read_columns(path: Path) -> tuple[np.ndarray, ...]:
         It cannot be read, has other columns, a line in it is damaged, two lines are of the same dot of a
         picture, or a picture has two names or sizes; the line is named.
     """
-    pictures, header = PicturesOfLines(path), _header(path)
+    first = first_line(path)
+    if first.startswith(b"#") and path.suffix.lower() != ".csv":
+        raise InputError(
+            f"{path} is no table of detections, but may be a corners.vnl of mrcal or mrgingham. Make a "
+            "table of it with 'labcal convert', and state `target`, and `cameras` of several."
+        )
+    # The name of the board is among the columns where it is stated.
+    header = _OF_BOARDS if first.rstrip(b"\r\n").endswith(f",{BOARD}".encode()) else HEADER
+    pictures = PicturesOfLines(path)
     read = [_columns(part, pictures) for part in table_parts(header, "detections", path)]
     if read:
         picture, index, has_id, figures, flag, board = (
@@ -162,17 +171,6 @@ def _read_columns(path: Path) -> tuple[np.ndarray, ...]:
     )
 
 
-def _header(path: Path) -> tuple[str, ...]:
-    """Return the columns that a table should have: the name of the board among them where it is stated."""
-    stated = f",{BOARD}".encode()
-    try:
-        with path.open("rb") as file:
-            first = file.readline(_LONGEST_HEADER).rstrip(b"\r\n")
-    except OSError:
-        return HEADER  # reading it says what is wrong
-    return _OF_BOARDS if first.endswith(stated) else HEADER
-
-
 _NO_LINES = (
     np.empty(0, dtype=np.int64),
     np.empty((0, 2), dtype=np.int64),
@@ -181,7 +179,6 @@ _NO_LINES = (
     np.empty(0, dtype=np.str_),
     np.empty(0, dtype=np.str_),
 )
-_LONGEST_HEADER = 1000
 
 
 def _columns(part: TableLines, pictures: PicturesOfLines) -> tuple[np.ndarray, ...]:

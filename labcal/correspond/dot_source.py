@@ -6,17 +6,24 @@ from pathlib import Path
 
 from labcal.cameras.rig import Rig
 from labcal.correspond.detections import Detections
-from labcal.correspond.detections_csv import read_detections
+from labcal.correspond.detections_csv import HEADER, read_detections
 from labcal.correspond.measure import Measurement, detections_of, measure_pictures, refusals
+from labcal.correspond.picture_lists import LIST
 from labcal.correspond.picture_set import PictureSet, open_pictures, target_shown
 from labcal.correspond.refused_pictures import shared_reasons
 from labcal.correspond.sources import Source, shoot_sources
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.run.executor import open_executor
+from labcal.run.file_reading import first_line
 from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
+from labcal.shoot.pictures import SUFFIXES
+from labcal.shoot.raw_pictures import RAW_SUFFIXES
 from labcal.targets.catalogue import AnyTarget, AnyTargets
+
+_OFTEN_NO_TABLE = frozenset({LIST, *RAW_SUFFIXES})
+"""Endings of files that are mostly lists of pictures, or pictures without a header."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +94,15 @@ class DotSource:
         if self.shoot is None:
             return target
         return self.shoot if self.shoot.manifest.target == target else self.shoot.showing(target)
+
+
+def is_dot_table(given: AnyPath) -> bool:
+    """Tell whether a path, given where pictures may be, is that of a table of dots."""
+    path = as_path(given)
+    ending = path.suffix.lower()
+    if not path.is_file() or ending in SUFFIXES:
+        return False
+    return ending not in _OFTEN_NO_TABLE or first_line(path) == ",".join(HEADER).encode()
 
 
 def open_dots(source: AnyPath | Shoot, detections: AnyPath | Detections | None = None) -> DotSource:

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from labcal.shoot.raw_pictures import RawFormat, read_raw_picture
 from labcal.wording import clipped, has_control, listed, printable
 
 _ENDINGS_SHOWN = 8
+_FOLDERS_TRIED = 100
 _LEVELS = 2
 """Folders within a folder in which pictures are looked for."""
 
@@ -255,6 +257,11 @@ def _endings_seen(paths: Sequence[str]) -> str:
         for entry in folder.iterdir()
         if entry.is_file()
     ]
+    tops = [top for given in paths if Path(given).is_dir() for top in picture_folders(given)]
+    below = islice((folder for top in tops for folder in _folders_in([top])), _FOLDERS_TRIED)
+    deeper = next((one for one in below if any(map(_pictures_in, picture_folders(one)))), None)
+    if deeper is not None:
+        return f", but there are in {deeper}. Give that folder"
     endings = Counter(entry.suffix.lower() or "without an ending" for entry in entries)
     if not endings:
         return ": no file is there"
@@ -273,9 +280,13 @@ def picture_folders(folder: AnyPath) -> list[Path]:
     for _ in range(_LEVELS):
         if any(_pictures_in(one) for one in level):
             return level
-        level = [entry for one in level for entry in sorted(one.iterdir()) if entry.is_dir()]
+        level = _folders_in(level)
         every += level
     return level if any(_pictures_in(one) for one in level) else every
+
+
+def _folders_in(folders: Sequence[Path]) -> list[Path]:
+    return [entry for one in folders for entry in sorted(one.iterdir()) if entry.is_dir()]
 
 
 def _pictures_in(folder: Path) -> list[str]:
@@ -292,7 +303,8 @@ def find_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sourc
 
     Examples
     --------
-    >>> from pathlib import Path
+    >>> from itertools import islice
+    from pathlib import Path
     >>> from labcal.pipeline import find_sources
     >>> for name in ("a_0.png", "a_1.png", "b_0.png", "b_1.png"):
     ...     Path(name).touch()

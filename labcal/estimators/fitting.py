@@ -86,36 +86,7 @@ def training_of(
     settings: FitSettings | None = None,
     progress: Progress | None = None,
 ) -> Training:
-    """Return training data: centres of dots, and their places.
-
-    Parameters
-    ----------
-    source : Shoot or AnyTarget
-        A shoot, of which training views are used; or the target, held in the hand in all views.
-    detections : Detections
-        Centroids.
-    settings : FitSettings, optional
-    progress : Progress, optional
-
-    Returns
-    -------
-    Training
-        Pixels and points (mm), and how the target was placed.
-
-    Raises
-    ------
-    InputError
-        As of :func:`~labcal.correspond.training.training_data`, or of
-        :func:`~labcal.calibrate.calibration.calibrated`.
-
-    Examples
-    --------
-    >>> from labcal import examples, load_target, pipeline
-    >>> target, dots = load_target(examples.TARGET), examples.detections()
-    >>> training = pipeline.training_of(target, dots, pipeline.FitSettings(lens="brown5"))
-    >>> training.centred.data.X.shape, training.centred.data.Y.shape  # pixels of two cameras, and mm
-    ((704, 4), (704, 3))
-    """
+    """Return training data, without causes of warnings, as of :func:`labcal.pipeline.training_of`."""
     settings = settings_of(settings, FitSettings)
     if not isinstance(source, Shoot):
         source = target_of(source)

@@ -130,11 +130,11 @@ def _dots(
     progress: Progress,
 ) -> tuple[Detections, AnyTarget | None]:
     """Return the dots, and the target of a shoot."""
+    from labcal.correspond.dot_source import is_dot_table
     from labcal.correspond.named_pixels import NamedPixels
     from labcal.correspond.named_pixels_csv import is_pixels
     from labcal.correspond.picture_set import open_pictures
     from labcal.reconstruct.found_marks import FoundMarks
-    from labcal.shoot.pictures import SUFFIXES
 
     if isinstance(source, Detections):
         return source, None
@@ -143,10 +143,8 @@ def _dots(
             "Named pixels are given, but no places of their points. Give `places`, the table that "
             "'labcal measure' wrote of the same marks before."
         )
-    if isinstance(source, str | os.PathLike):
-        path = as_path(source)
-        if path.is_file() and path.suffix.lower() not in SUFFIXES:
-            return read_detections(path), None
+    if isinstance(source, str | os.PathLike) and is_dot_table(source):
+        return read_detections(as_path(source)), None
     opened = open_pictures(source)
     shown = opened.target(target, rig)
     if not opened.sources:

@@ -96,7 +96,7 @@ def diagnose(
 
 def _table(source: object) -> Detections | None:
     """Return the dots where a table of them is given; None of pictures."""
-    from labcal.shoot.pictures import SUFFIXES
+    from labcal.correspond.dot_source import is_dot_table
 
     if isinstance(source, str | os.PathLike):
         path = as_path(source)
@@ -105,6 +105,6 @@ def _table(source: object) -> Detections | None:
                 f"{path} is a video, and pictures are diagnosed. Take pictures out of it with 'labcal "
                 f"capture', from the source video:{path}, and diagnose the shoot."
             )
-        if path.is_file() and path.suffix.lower() not in SUFFIXES:
+        if is_dot_table(path):
             return read_detections(path)
     return None

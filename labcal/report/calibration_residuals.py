@@ -65,8 +65,9 @@ def worst_pictures(found: HandheldCalibration, detections: Detections) -> list[P
         view = found.views[worst]
         rows = np.flatnonzero((of.camera == number) & (of.view == worst))
         mine = (detections.view == view) & (detections.camera == name)
-        path = str(detections.image[mine][0])
+        path, (width, height) = str(detections.image[mine][0]), detections.size[mine][0].tolist()
+        title = f"{view}, camera {name}"
         parts.append(
-            Photograph(f"picture-{name}", path, of.q[rows], of.residual[rows], f"{view}, camera {name}")
+            Photograph(f"picture-{name}", path, of.q[rows], of.residual[rows], title, (width, height))
         )
     return parts

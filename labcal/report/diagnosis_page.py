@@ -143,8 +143,10 @@ def _photographs(found: Diagnosis, one: Finding, number: int) -> list[Part]:
     for at, path in enumerate(one.pictures[:_MOST_PICTURES]):
         own = np.flatnonzero((dots.image == path) & dots.ok)
         q, residual = dots.position[own], np.full((len(own), 2), np.nan)
-        title = path
+        title, size = path, None
         if len(own):
+            width, height = dots.size[own[0]].tolist()
+            size = (width, height)
             view, camera = str(dots.view[own[0]]), str(dots.camera[own[0]])
             title = f"{view}, camera {camera}"
             if rig is not None and view in rig.views and camera in rig.rig.cameras:
@@ -152,7 +154,7 @@ def _photographs(found: Diagnosis, one: Finding, number: int) -> list[Part]:
                 rows = (of.view == rig.views.index(view)) & (of.camera == list(rig.rig.cameras).index(camera))
                 if rows.any():
                     q, residual = of.q[rows], of.residual[rows]
-        parts.append(Photograph(f"picture-{number}-{at}", path, q, residual, title))
+        parts.append(Photograph(f"picture-{number}-{at}", path, q, residual, title, size))
     return parts
 
 

@@ -81,17 +81,26 @@ class TableLines:
         if empty is not None and "" in cells:
             cells = tuple(cell or empty for cell in cells)
         try:
+            if _is_odd("".join(cells)):
+                raise ValueError(name)  # noqa: TRY301 -- which cell it is comes out below
             return np.array(list(map(number, cells)))
         except (ValueError, OverflowError):
             values = np.full(len(cells), other)
             for at, cell in enumerate(cells):
                 try:
+                    if _is_odd(cell):
+                        raise ValueError(cell)  # noqa: TRY301 -- as what Python takes for no number
                     values[at] = number(cell)
                 except (ValueError, OverflowError):
                     kind = "whole number" if number is _whole else "number"
                     self.faults.append((at, f"{name} '{clipped(cell, 20)}' is no {kind}"))
                     break  # what is behind it does not matter any more
             return values
+
+
+def _is_odd(cell: str) -> bool:
+    """Tell whether Python alone would take a cell for a number: ``1_0``, or digits of another script."""
+    return "_" in cell or not cell.isascii()
 
 
 def _whole(cell: str) -> int:

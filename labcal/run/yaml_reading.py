@@ -1,5 +1,6 @@
 """Reading of YAML: mappings, lists and scalars, each key once, without aliases."""
 
+import re
 from collections.abc import Hashable
 from typing import Any
 
@@ -9,6 +10,9 @@ from labcal.errors import InputError
 from labcal.wording import clipped, shown
 
 _MOST_DEEP = 50
+_DECIMAL = re.compile(
+    r"[-+]?(?:0|[1-9][0-9]*|[0-9]*\.[0-9]*(?:[eE][-+]?[0-9]+)?|\.(?:inf|nan))", re.IGNORECASE
+)
 _MERGE = "tag:yaml.org,2002:merge"
 
 
@@ -40,6 +44,14 @@ class PlainLoader(yaml.SafeLoader):
             raise yaml.YAMLError("halves of characters (surrogates) are not read; write the character out")
         return value
 
+    def construct_number(self, node: yaml.ScalarNode) -> object:
+        """Return a number, which must be decimal: YAML 1.1 takes 010 for 8, 1:30 for 90, and 1_0 for 10."""
+        text = str(self.construct_scalar(node))
+        if not _DECIMAL.fullmatch(text):
+            raise yaml.YAMLError(f"the number {shown(text)} is not decimal; write it as 90 or 0.5, say")
+        whole = node.tag == "tag:yaml.org,2002:int"
+        return self.construct_yaml_int(node) if whole else self.construct_yaml_float(node)
+
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:  # noqa: FBT001, FBT002 -- PyYAML's own signature
         """Return a mapping whose keys are all different."""
         seen: set[object] = set()
@@ -52,6 +64,10 @@ class PlainLoader(yaml.SafeLoader):
                     raise yaml.YAMLError(f"the key {shown(key)} occurs twice in one mapping")
                 seen.add(key)
         return super().construct_mapping(node, deep=deep)
+
+
+for _tag in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float"):
+    PlainLoader.add_constructor(_tag, PlainLoader.construct_number)
 
 
 def yaml_content(text: str, source: str, loader: type[PlainLoader] = PlainLoader) -> object:

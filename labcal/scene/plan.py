@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from labcal.errors import InputError
 from labcal.geometry.poses import transform
-from labcal.scene.mistakes import Outcome, Shooting, make_mistake, printed_target
+from labcal.scene.mistakes import Mistake, Outcome, Shooting, make_mistake, printed_target
 from labcal.scene.model import Scene
 from labcal.scene.motion import ShutterTimes, Track
 from labcal.scene.placement import Stage
@@ -13,7 +14,19 @@ from labcal.shoot.manifest import Role
 
 
 def built_scene(scene: Scene) -> Scene:
-    """Return the scene as built, with another print if the mistake is one of the print."""
+    """Return the scene as built, with another print if the mistake is one of the print.
+
+    Raises
+    ------
+    InputError
+        The mistake changes the print, and its code would describe the changed one, which no real print does.
+    """
+    if scene.mistake is Mistake.WRONG_PITCH and scene.board.print_number is not None:
+        raise InputError(
+            f"In the scene '{scene.name}' the mistake '{scene.mistake}' is made with a board whose print has "
+            "a code, and that would describe the wrong board. Leave out board.print_number, or scale the "
+            "whole print with board.print_scale in place of the mistake."
+        )
     return scene.model_copy(
         update={"target": printed_target(scene.target, scene.mistake, scene.mistake_size or 1.0)}
     )

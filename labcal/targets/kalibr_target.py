@@ -5,7 +5,13 @@ from typing import Any
 
 from labcal.errors import InputError
 
-_APRILGRID = {"target_type", "tagCols", "tagRows", "tagSize", "tagSpacing"}
+_NUMBERS = {
+    "tagCols": "a number of tags",
+    "tagRows": "a number of tags",
+    "tagSize": "a number of metres",
+    "tagSpacing": "the gap between tags over their size",
+}
+_APRILGRID = {"target_type", *_NUMBERS}
 
 
 def is_kalibr_target(content: dict[str, Any]) -> bool:
@@ -41,8 +47,10 @@ def from_kalibr(content: dict[str, Any], source: str) -> dict[str, Any]:
     odd = [f"'{key!s:.40}' is not known" for key in sorted(content.keys() - _APRILGRID, key=str)]
     odd += [f"'{key}' is missing" for key in sorted(_APRILGRID - content.keys())]
     size = content.get("tagSize")
-    if "tagSize" in content and (isinstance(size, bool) or not isinstance(size, int | float)):
-        odd.append(f"tagSize: {size!r:.40} should be a number of metres")
+    for key, what in _NUMBERS.items():
+        given = content.get(key, 0)
+        if isinstance(given, bool) or not isinstance(given, int | float):
+            odd.append(f"{key}: {given!r:.40} should be {what}")
     if odd or not isinstance(size, int | float):
         raise InputError(f"The target '{source}', Kalibr's, cannot be used: {'; '.join(odd)}.")
     letters = "".join(

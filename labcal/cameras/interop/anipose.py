@@ -78,8 +78,11 @@ def read_anipose(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIV
     nested = content.get(_NESTED)
     tables = {**content, **(nested if isinstance(nested, dict) else {})}
     cameras = {key: one for key, one in tables.items() if isinstance(one, dict) and _OF_A_CAMERA & set(one)}
-    if not cameras:
-        raise InputError(f"{path} holds no camera, as a table with matrix and distortions.")
+    if not cameras or _OF_A_CAMERA & set(content):
+        raise InputError(
+            f"{path} should hold each camera as a table, such as [cam_0], with matrix and distortions"
+            + (", but has these outside of any table. Copy it again." if cameras else ".")
+        )
     names, records = [], []
     notes: tuple[str, ...] = ()
     for key, camera in cameras.items():

@@ -44,7 +44,7 @@ from labcal.run.file_marks import TEXT_COMMENT
 
 _CAMERAS, _IMAGES, _RIGS, _FRAMES = "cameras.txt", "images.txt", "rigs.txt", "frames.txt"
 _POINTS = "points3D.txt"
-_CAMERA_LINE = rf"^\d+ ({'|'.join(COUNTS)}) \d+ \d+ |CAMERA_ID, MODEL, WIDTH, HEIGHT"
+_CAMERA_LINE = rf"^\d+\s+({'|'.join(COUNTS)})\s+\d+\s+\d+\s|CAMERA_ID, MODEL, WIDTH, HEIGHT"
 _SENSOR = "CAMERA"
 _SENSORS, _DATA = (f"{what}[] as (SENSOR_TYPE, SENSOR_ID," for what in ("SENSORS", "DATA_IDS"))
 _OF_A_POINT = 3

@@ -43,6 +43,13 @@ _RELATIVE = "extrinsics_relative_camera_to_camera"
 _ROTATION = "rotation_3x3_matrix"
 _COEFFICIENTS = ("K1", "K2", "P1", "P2", "K3", "K4", "K5", "K6", "S1", "S2", "S3", "S4", "T1", "T2")
 """In OpenCV's order."""
+_SHIFT, _ANGLES = ("TX", "TY", "TZ"), ("ALPHA", "BETA", "GAMMA")
+_ROWS = ("ROW 0", "ROW 1", "ROW 2")
+_KNOWN = frozenset(
+    {"CAMERA_ID", "CX", "CY", "FX", "FY", "FS", "LENS_DISTORTION_MODEL", "IMAGE_HEIGHT_WIDTH", "PIXEL_DEPTH"}
+    | {"CAMERA_LENS", "COMMENTS", *_COEFFICIENTS, *_SHIFT, *_ANGLES}
+)
+"""Parameters of a camera. DICe leaves out those that are zero, so that a strange name would be one lost."""
 _NO_LENS, _OPENCV_LENS = "NO_LENS_DISTORTION", "OPENCV_LENS_DISTORTION"
 
 
@@ -80,6 +87,8 @@ def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN)
         cameras.append(lists[f"CAMERA {len(cameras)}"])
     if not cameras:
         raise InputError(f"{path} holds no 'CAMERA 0'.")
+    for camera in cameras:
+        _require_known(camera, path)
     found = [_pose(camera, path) for camera in cameras]
     poses = [T for T, _ in found]
     if values.get(_RELATIVE, "false").lower() == "true":
@@ -134,7 +143,7 @@ def _add_camera(parent: ET.Element, name: str, record: CameraRecord) -> None:
     ):
         _add(parent, "double", key, number_text(value))
     _add(parent, "string", "LENS_DISTORTION_MODEL", _OPENCV_LENS)
-    for key, value in zip(("TX", "TY", "TZ"), t, strict=True):
+    for key, value in zip(_SHIFT, t, strict=True):
         _add(parent, "double", key, number_text(value))
     rotation = ET.SubElement(parent, _LIST, {"name": _ROTATION})
     for at, row in enumerate(R):
@@ -152,6 +161,21 @@ def _values(element: ET.Element) -> dict[str, str]:
     return dict(found)
 
 
+def _require_known(camera: ET.Element, path: Path) -> None:
+    """Raise where a camera's list holds what DICe's have not, since what is missing counts as zero."""
+    strange = []
+    for child in camera:
+        name = child.get("name", "")
+        known = name in _KNOWN if child.tag == _PARAMETER else (child.tag, name) == (_LIST, _ROTATION)
+        strange += [] if known else [f"{child.tag} {name}"]
+        strange += [row.get("name", "") for row in child if row.get("name") not in _ROWS]
+    if strange:
+        raise InputError(
+            f"{path}: '{strange[0]:.40}' of {camera.get('name', ''):.40} is not known in a camera system "
+            "file of DICe. Correct the name, or leave it out."
+        )
+
+
 def _array(text: str | None) -> list[str]:
     """Return the elements of a Teuchos array, as in ``{ 1, 2 }``."""
     return (text or "").strip().strip("{}").split(",")
@@ -160,13 +184,13 @@ def _array(text: str | None) -> list[str]:
 def _pose(camera: ET.Element, path: Path) -> tuple[Pose, tuple[str, ...]]:
     """Return the pose of a camera's list, mm."""
     values = _values(camera)
-    t = np.array([finite_number(values.get(key, "0"), key, path) for key in ("TX", "TY", "TZ")])
+    t = np.array([finite_number(values.get(key, "0"), key, path) for key in _SHIFT])
     for child in camera:
         if child.get("name") == _ROTATION:
-            rows = [_array(_values(child).get(f"ROW {row}")) for row in range(3)]
+            rows = [_array(_values(child).get(row)) for row in _ROWS]
             R = np.array([finite_numbers(row, (3,), _ROTATION, path) for row in rows])
             return rounded_pose(R, t, path)
-    angles = [finite_number(values.get(key, "0"), key, path) for key in ("ALPHA", "BETA", "GAMMA")]
+    angles = [finite_number(values.get(key, "0"), key, path) for key in _ANGLES]
     return rounded_pose(from_fixed_angles_deg(angles), t, path)
 
 

@@ -56,6 +56,8 @@ from labcal.run.file_marks import TEXT_COMMENT
 
 _HOLDER = "Kalibr"
 _RADTAN = 4
+_AGREES = 1e-3
+"""Largest difference of two statements of a pose, relative to its largest number."""
 _LENSES = {
     "radtan": (perspective_lens, _RADTAN),
     "equidistant": (fisheye_lens, 4),
@@ -156,11 +158,17 @@ def _lens(name: str, record: CameraRecord) -> tuple[tuple[str, str], tuple[float
 def _step(chain: Sequence[dict[str, Any]], number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:
     """Return ``T_cam_before``, mm, from the chain or, where it has none, from the places on an IMU."""
     before, camera = chain[number - 1], chain[number]
-    if "T_cn_cnm1" in camera or not (_on_imu(camera) and _on_imu(before)):
+    if not (_on_imu(camera) and _on_imu(before)):
         return _matrix(camera, "T_cn_cnm1", number, path)
     T_before_imu, note_before = _from_imu(before, number - 1, path)
     T_cam_imu, note = _from_imu(camera, number, path)
-    return T_cam_imu @ inverse(T_before_imu), note_before + note
+    step, notes = T_cam_imu @ inverse(T_before_imu), note_before + note
+    if "T_cn_cnm1" in camera:
+        stated, notes = _matrix(camera, "T_cn_cnm1", number, path)
+        both = f"T_cn_cnm1 of cam{number}, and the places of cam{number - 1} and cam{number} on the IMU,"
+        _require_same(stated, step, both, path)
+        step = stated
+    return step, notes
 
 
 def _on_imu(camera: dict[str, Any]) -> bool:
@@ -170,19 +178,35 @@ def _on_imu(camera: dict[str, Any]) -> bool:
 
 def _from_imu(camera: dict[str, Any], number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:
     """Return ``T_cam_imu``, mm, also where its inverse is stated (as OpenVINS and Basalt do)."""
+    found = []
     if "T_cam_imu" in camera:
-        return _matrix(camera, "T_cam_imu", number, path)
-    T_imu_cam, notes = _matrix(camera, "T_imu_cam", number, path)
-    return inverse(T_imu_cam), notes
+        found.append(_matrix(camera, "T_cam_imu", number, path))
+    if "T_imu_cam" in camera:
+        T_imu_cam, notes = _matrix(camera, "T_imu_cam", number, path)
+        found.append((inverse(T_imu_cam), notes))
+    _require_same(found[0][0], found[-1][0], f"T_cam_imu and T_imu_cam of cam{number}", path)
+    return found[0]
+
+
+def _require_same(first: Pose, second: Pose, what: str, path: Path) -> None:
+    """Raise where two statements of a pose differ by more than rounding."""
+    if np.abs(first - second).max() > _AGREES * max(1.0, np.abs(first).max()):
+        raise InputError(f"{path}: {what} contradict each other. Leave out the one that does not hold.")
 
 
 def _matrix(camera: dict[str, Any], key: str, number: int, path: Path) -> tuple[Pose, tuple[str, ...]]:
     """Return a pose, mm."""
     rows = camera.get(key)
     what = f"{key} of cam{number}"
+    if isinstance(rows, dict):  # of OpenCV, as other programs write this file
+        rows = rows.get("data")
+    if isinstance(rows, list) and len(rows) == 16:  # noqa: PLR2004 -- a 4x4 matrix in one list
+        rows = [rows[at : at + 4] for at in range(0, 16, 4)]
     if not isinstance(rows, list) or len(rows) != 4:  # noqa: PLR2004 -- a 4x4 matrix
         raise InputError(f"{path}: {what} should be 4 rows of 4 numbers.")
     matrix = np.array([finite_numbers(row, (4,), what, path) for row in rows])
+    if not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
+        raise InputError(f"{path}: the last row of {what} should be 0 0 0 1.")
     return rounded_pose(matrix[:3, :3], MM_IN_M * matrix[:3, 3], path)
 
 

@@ -6,6 +6,7 @@ camera). Two cameras: ``M1 D1 M2 D2 R T`` as stereoCalibrate returns them (first
 Millimetres. What follows from these (E, F, and R1 R2 P1 P2 Q of rectification) is neither written nor read.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -27,8 +28,11 @@ from labcal.cameras.interop.lens_parameters import (
     held_coefficients,
     opencv_model,
 )
+from labcal.cameras.interop.numpy_archive import is_archive
 from labcal.cameras.interop.opencv_camera import (
     COUNTS,
+    DIST,
+    MATRIX,
     SIDES,
     is_posed,
     read_camera,
@@ -49,9 +53,27 @@ _HOLDER = "OpenCV"
 _PAIR = 2
 
 
+def _any_of(keys: Sequence[str]) -> re.Pattern[str]:
+    """Return a pattern of a key of YAML or JSON: one of `keys` of more than a letter, of either camera."""
+    words = sorted((key for key in keys if len(key) > 1), key=len, reverse=True)
+    sides = "|".join(re.escape(side) for pair in SIDES for side in pair)
+    key = f"(?:{sides})?(?:{'|'.join(words)})(?:{sides})?"
+    return re.compile(rf"""(^\s*|[{{,]\s*["']){key}["']?\s*:""", re.MULTILINE)
+
+
+_MATRICES, _DISTORTIONS = _any_of(MATRIX), _any_of(DIST)
+_OF_OTHERS = re.compile(r"^\s*(projection_matrix|cam0):|LENSMODEL_", re.MULTILINE)
+"""Keys of ROS and Kalibr, and words of mrcal."""
+
+
 def recognises(text: str) -> bool:
-    """Tell whether a text is a FileStorage with matrices in it, whatever their keys."""
-    return "<opencv_storage>" in text or "opencv-matrix" in text or "opencv-nd-matrix" in text
+    """Tell whether a text is a FileStorage, or has its usual keys in plain YAML, JSON or an npz."""
+    if is_archive(text):
+        return True
+    if _OF_OTHERS.search(text) is not None:
+        return False
+    storage = "<opencv_storage>" in text or "opencv-matrix" in text or "opencv-nd-matrix" in text
+    return storage or (_MATRICES.search(text) is not None and _DISTORTIONS.search(text) is not None)
 
 
 def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
@@ -153,7 +175,8 @@ def _read_pair(storage: Storage, others: Sequence[Storage], given: ReadOptions) 
         raise InputError(
             f"{storage.path} holds two cameras, but {'several poses' if placing else 'no pose'} R, T of the "
             "second one. Give it together with the one file that has it: labcal convert "
-            "intrinsics.yml extrinsics.yml rig.json."
+            "intrinsics.yml extrinsics.yml rig.json. Or name its keys, `key='R=KEY,T=KEY'`: there are "
+            f"{', '.join(map(str, storage.content))[:300]}."
         )
     T_right_left, notes = read_pose(placing[0])
     sides = sides_of(storage) or SIDES[0]

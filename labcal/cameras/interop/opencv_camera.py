@@ -21,18 +21,31 @@ from labcal.cameras.interop.placement import rounded_pose
 from labcal.cameras.lens import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
+from labcal.geometry.poses import from_rotation_vector
 
 COUNTS = (0, 4, 5, 8, 12, 14)
 """Of coefficients that OpenCV takes."""
-MATRIX = ("camera_matrix", "cameraMatrix", "Camera_Matrix", "CameraMatrix", "K", "M")
-DIST = (
-    "distortion_coefficients", "distCoeffs", "dist_coeffs", "Distortion_Coefficients", "DistCoeffs", "D",
+MATRIX = (
+    "camera_matrix", "cameraMatrix", "Camera_Matrix", "CameraMatrix", "camMatrix", "intrinsic_matrix",
+    "intrinsicMatrix", "mtx", "K", "M",
 )  # fmt: skip
-SIDES = (("1", "2"), ("L", "R"), ("_left", "_right"), ("Left", "Right"), ("_l", "_r"))
-"""Endings of these names for the first and the second camera of a pair."""
-_WIDTH = ("image_width", "image_Width", "width")
-_HEIGHT = ("image_height", "image_Height", "height")
-_SIZE = ("image_size", "imageSize", "img_size")
+DIST = (
+    "distortion_coefficients", "distCoeffs", "dist_coeffs", "Distortion_Coefficients", "DistCoeffs",
+    "dist_coeff", "distCoeff", "distortion_coeffs", "distortion_coefficient", "distortion", "dist", "D",
+)  # fmt: skip
+SIDES = (
+    ("1", "2"), ("L", "R"), ("_left", "_right"), ("Left", "Right"), ("_l", "_r"), ("_L", "_R"),
+    ("_1", "_2"), ("0", "1"), ("_0", "_1"), ("left_", "right_"), ("Left_", "Right_"), ("LEFT.", "RIGHT."),
+    ("l_", "r_"), ("L_", "R_"), ("cam0_", "cam1_"), ("cam1_", "cam2_"),
+)  # fmt: skip
+"""Endings of these names, or beginnings, for the first and the second camera of a pair."""
+_BEGINS = ("_", ".")
+"""The last letter of what stands before a name."""
+_WIDTH = ("image_width", "image_Width", "imageWidth", "img_width", "width", "Width")
+_HEIGHT = ("image_height", "image_Height", "imageHeight", "img_height", "height", "Height")
+_SIZE = ("image_size", "imageSize", "img_size", "ImageSize", "size")
+_ROTATION = ("R", "rotation_matrix", "rotationMatrix")
+_TRANSLATION = ("T", "translation_vector", "translationVector")
 _KIND = ("distortion_model", "camera_model", "model_type", "lens_model")
 _FISHEYE_WORDS = {"fisheye", "equidistant", "kannala_brandt", "kannala-brandt", "kb4"}
 _PERSPECTIVE_WORDS = {"plumb_bob", "radtan", "brown", "rational_polynomial", "perspective", "pinhole"}
@@ -43,23 +56,43 @@ BROWN = "brown5"
 
 def side_keys(keys: tuple[str, ...], side: str) -> tuple[str, ...]:
     """Return the keys of one camera of a pair."""
-    return tuple(f"{key}{side}" for key in keys)
+    return tuple(f"{side}{key}" if side.endswith(_BEGINS) else f"{key}{side}" for key in keys)
 
 
 def sides_of(storage: Storage) -> tuple[str, str] | None:
-    """Return how a file names the two cameras of a pair; None where it holds none."""
-    return next((sides for sides in SIDES if storage.first(side_keys(MATRIX, sides[0])) is not None), None)
+    """Return how a file names the two cameras of a pair; None where it holds none.
+
+    Raises
+    ------
+    InputError
+        There are three, as M1, M2 and M3, or M0, M1 and M2.
+    """
+    named = {sides: storage.mapped & set(side_keys(MATRIX, sides[0])) for sides in SIDES}
+    chosen = next((sides for sides in SIDES if named[sides]), None)
+    if chosen is not None:
+        return chosen
+    there = {sides: [storage.first(side_keys(MATRIX, side)) is not None for side in sides] for sides in SIDES}
+    whole = [sides for sides in SIDES if all(there[sides])]
+    third = [sides[1].replace("2", "3") for sides in whole if "2" in sides[1]]
+    if len(whole) > 1 or any(storage.first(side_keys(MATRIX, side)) is not None for side in third):
+        raise InputError(
+            f"{storage.path} holds more than two cameras. Name those of a pair: `key='M1=KEY,D1=KEY,M2=KEY,"
+            f"D2=KEY,R=KEY,T=KEY'`. Its keys are {', '.join(map(str, storage.content))[:300]}."
+        )
+    return next(iter(whole), next((sides for sides in SIDES if there[sides][0]), None))
 
 
 def is_posed(storage: Storage) -> bool:
     """Tell whether a file has R and T."""
-    return storage.first(("R",)) is not None and storage.first(("T",)) is not None
+    return storage.first(_ROTATION) is not None and storage.first(_TRANSLATION) is not None
 
 
 def read_pose(storage: Storage) -> tuple[Pose, tuple[str, ...]]:
-    """Return the pose of R and T, and a note if a rounded rotation was corrected."""
-    R = np.array(storage.matrix(("R",), (9,))).reshape(3, 3)
-    return rounded_pose(R, np.array(storage.matrix(("T",), (3,))), storage.path)
+    """Return the pose of R, a matrix or a rotation vector, and T; with a note if R was rounded."""
+    turn, t = np.array(storage.matrix(_ROTATION, (9, 3))), np.array(storage.matrix(_TRANSLATION, (3,)))
+    if turn.shape == t.shape:
+        return from_rotation_vector(turn, t), ()
+    return rounded_pose(turn.reshape(3, 3), t, storage.path)
 
 
 def read_camera(storage: Storage, side: str, T_cam_world: Pose, given: ReadOptions) -> CameraRecord:

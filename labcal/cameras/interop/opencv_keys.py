@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from labcal.cameras.interop.exchange import SourceText
-from labcal.cameras.interop.opencv_camera import is_posed, sides_of
+from labcal.cameras.interop.opencv_camera import MATRIX, SIDES, is_posed, side_keys, sides_of
 from labcal.cameras.interop.opencv_storage import Storage, read_storage
 from labcal.errors import InputError
 from labcal.run.file_reading import read_bytes
@@ -17,6 +17,8 @@ USUAL = (
     "image_size",
 )  # fmt: skip
 """Keys that can be given another name."""
+_OF_A_PAIR = {"R", "R1", "R2", "E", "F", "H"}
+"""The 3x3 matrices of OpenCV's stereo sample that are none of a camera."""
 _ENDINGS = {".yml", ".yaml", ".xml"}
 _MOST_BYTES, _MOST_FILES = 2**18, 100
 
@@ -64,10 +66,11 @@ def with_other_half(stores: Sequence[Storage]) -> tuple[list[Storage], tuple[str
         return list(stores), ()
     (given,) = stores
     has_cameras, has_pose = sides_of(given) is not None, is_posed(given)
-    if has_cameras == has_pose or (has_pose and _has_camera(given)):
+    if has_cameras == has_pose or (has_pose and _has_camera(given)) or _has_strange_matrix(given):
         return list(stores), ()
     found = [other for other in _beside(given.path) if (sides_of(other) is not None) == has_pose
-             and is_posed(other) == has_cameras and not _has_camera(other)]  # fmt: skip
+             and is_posed(other) == has_cameras and not _has_camera(other)
+             and not _has_strange_matrix(other)]  # fmt: skip
     if not found:
         return list(stores), ()
     if len(found) > 1:
@@ -81,7 +84,14 @@ def with_other_half(stores: Sequence[Storage]) -> tuple[list[Storage], tuple[str
 
 def _has_camera(storage: Storage) -> bool:
     """Tell whether a file holds a camera that is none of a pair."""
-    return storage.first((ALONE, "cameraMatrix", "Camera_Matrix")) is not None
+    return storage.first(MATRIX) is not None
+
+
+def _has_strange_matrix(storage: Storage) -> bool:
+    """Tell whether a file holds 3x3 matrices that are none of OpenCV's samples, so maybe those of cameras."""
+    cameras = {key for sides in SIDES for side in sides for key in side_keys(MATRIX, side)}
+    strange = [storage.numbers(key) for key in storage.content if key not in {*_OF_A_PAIR, *cameras}]
+    return any(len(one) == 9 for one in strange)  # noqa: PLR2004 -- 3x3
 
 
 def _beside(path: Path) -> list[Storage]:

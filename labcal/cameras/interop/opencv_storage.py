@@ -12,6 +12,7 @@ import numpy as np
 
 from labcal.cameras.interop.exchange import SourceText
 from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text
+from labcal.cameras.interop.numpy_archive import archived_numbers, is_archive
 from labcal.cameras.interop.xml_tree import read_xml_tree
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
 from labcal.errors import InputError
@@ -41,6 +42,12 @@ class Storage:
         value = self.content.get(key)
         return value if isinstance(value, str) else None
 
+    def numbers(self, key: str) -> list[object]:
+        """Return the elements of what may be a matrix, row by row, unchecked; none of anything else."""
+        value = self.content.get(key)
+        data = _in_one_list(value.get("data") if isinstance(value, dict) else value)
+        return data if isinstance(data, list) else []
+
     def matrix(self, keys: Sequence[str], counts: Sequence[int]) -> tuple[float, ...]:
         """Return the numbers of a matrix, row by row.
 
@@ -53,11 +60,30 @@ class Storage:
         if value is None:
             raise InputError(f"{self.path} has no {keys[0]} (a matrix of OpenCV).")
         # An array of one dimension is stored as a list where it is short, else with its "sizes".
+        self._require_one(keys)
         data = value.get("data") if isinstance(value, dict) else value
-        numbers = finite_numbers(data, counts, keys[0], self.path)
+        numbers = finite_numbers(_in_one_list(data), counts, keys[0], self.path)
         if isinstance(value, dict):
             require_shape(value, len(numbers), keys[0], self.path)
         return numbers
+
+    def _require_one(self, keys: Sequence[str]) -> None:
+        """Raise where several of these keys are there and hold different things."""
+        if set(keys) & self.mapped:
+            return
+        there = [key for key in keys if key in self.content]
+        if any(self.content[key] != self.content[there[0]] for key in there):
+            raise InputError(
+                f"{self.path} has {' and '.join(there)}, which differ. Say which holds: "
+                f"`key='{keys[0]}={there[0]}'`."
+            )
+
+
+def _in_one_list(data: object) -> object:
+    """Return the rows of a matrix one after the other; anything else as it is."""
+    while isinstance(data, list) and data and all(isinstance(row, list) for row in data):
+        data = [number for row in data for number in row]
+    return data
 
 
 def require_shape(matrix: Mapping[str, object], count: int, what: str, path: Path) -> None:
@@ -81,8 +107,10 @@ def read_storage(source: SourceText) -> Storage:
     Raises
     ------
     InputError
-        It is neither YAML nor XML of OpenCV's form.
+        It is neither YAML nor XML of OpenCV's form, nor an archive of NumPy, or it is damaged.
     """
+    if is_archive(source.text):
+        return Storage(source.path, archived_numbers(source.data, source.path))
     if source.text.lstrip().startswith("<"):
         root = read_xml_tree(source.text, source.path)
         if root.tag != _ROOT:
@@ -94,7 +122,20 @@ def read_storage(source: SourceText) -> Storage:
         if twice is not None:
             raise InputError(f"{source.path}: the key {twice:.40} occurs twice. Leave one of them.")
         return Storage(source.path, {child.tag: _value(child) for child in root})
-    return Storage(source.path, read_yaml_tree(source.text, source.path))
+    is_json = source.text.lstrip().startswith("{")
+    text = source.text.replace("\t", " ") if is_json else source.text  # YAML takes no tabs
+    return Storage(source.path, _with_nested(read_yaml_tree(text, source.path)))
+
+
+def _with_nested(content: dict[str, object]) -> dict[str, object]:
+    """Return the content with the keys within a key, such as ``left``, as ``left_camera_matrix``, too."""
+    nested = {
+        f"{outer}_{inner}": value
+        for outer, inside in content.items()
+        if isinstance(inside, dict) and "data" not in inside
+        for inner, value in inside.items()
+    }
+    return {**nested, **content}
 
 
 def storage_text(content: Content, suffix: str) -> str:

@@ -14,10 +14,11 @@ from labcal.cameras.interop.exchange import (
     ReadRig,
     RigFormat,
     RigTexts,
-    SourceText,
     Unit,
 )
+from labcal.cameras.interop.given_files import given_files, one_format
 from labcal.cameras.interop.registry import FORMATS, format_by_name, recognised_format
+from labcal.cameras.interop.source_file import read_source
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_file import checked_rig
@@ -26,14 +27,12 @@ from labcal.geometry.poses import inverse
 from labcal.paths import AnyPath, as_path
 from labcal.run.claims import FileOutput, FolderOutput, Output
 from labcal.run.file_kinds import FileKind
-from labcal.run.file_reading import read_bytes
 from labcal.run.outputs import write_file
 from labcal.run.overwriting import require_file_place
 from labcal.run.unfinished import unfinished_folder
 
 _MOST_BYTES = max(one.most_bytes for one in FORMATS.values())
 _MOST_TOGETHER = 4 * _MOST_BYTES
-_MOST_FILES = 100
 _LIKELY_MM = (1.0, 1e5)
 """Distances of two cameras that are taken as they stand."""
 
@@ -67,10 +66,10 @@ def read_rig_files(
     """
     wanted = None if format_name is None else format_by_name(format_name)
     given_paths = [as_path(path) for path in paths]
-    files = _files(given_paths, wanted)
+    files = given_files(given_paths, wanted)
     together = sum(path.stat().st_size for path in files if path.is_file())
     _require_size(files[0], together, _MOST_TOGETHER)
-    sources = [_source(path, wanted) for path in files]
+    sources = [read_source(path, _MOST_BYTES if wanted is None else wanted.most_bytes) for path in files]
     found = [(source, wanted or recognised_format(source)) for source in sources]
     in_folder = any(path.is_dir() for path in given_paths)
     by_path = {source.path: source for source in sources}
@@ -83,23 +82,19 @@ def read_rig_files(
             "name it: `from_format='FORMAT'`."
         )
     kinds = {one.name: one for _, one in known}
-    if len(kinds) != 1:
-        raise InputError(
-            f"These files are of several formats: {', '.join(kinds)}. Name one: `from_format='FORMAT'`."
-        )
-    (chosen,) = kinds.values()
+    chosen, of_both = one_format(list(kinds.values()), sources)
     if chosen.home is not Home.FOLDER:
         sources = [source for source, _ in known]
     for source in sources:
         _require_size(source.path, len(source.data), chosen.most_bytes)
-        if not source.is_text and not chosen.binary:
+        if not source.is_text and not chosen.binary and not chosen.recognises(source.text):
             raise InputError(f"{source.path} is no text file, as those of the format '{chosen.name}' are.")
     _require_options(chosen, given)
     read = chosen.read(sources, given)
     unit = _unit_of(read, chosen, given)
     rig = _in_unit(read.rig, unit.mm / chosen.unit.mm)
     checked_rig(rig, str(sources[0].path))
-    return chosen, replace(read, rig=rig, unit=unit)
+    return chosen, replace(read, rig=rig, unit=unit, notes=(*([of_both] if of_both else ()), *read.notes))
 
 
 def baseline_mm(rig: Rig) -> float | None:
@@ -253,36 +248,6 @@ def _file_kind(chosen: RigFormat) -> FileKind:
 
 def _command(folder: dict[str, str | bytes]) -> str:
     return f"convert {sorted(folder)}"
-
-
-def _files(paths: Sequence[Path], wanted: RigFormat | None) -> list[Path]:
-    """Return files, with folders replaced by the files in them that end as the formats do."""
-    formats = FORMATS.values() if wanted is None else [wanted]
-    endings = {suffix for one in formats for suffix in one.suffixes}
-    files: list[Path] = []
-    for path in paths:
-        if path.is_dir():
-            files += sorted(entry for entry in path.iterdir() if entry.suffix.lower() in endings)
-        else:
-            files.append(path)
-    if not files:
-        raise InputError(f"There is no file of any format in {', '.join(map(str, paths))}.")
-    if len(files) > _MOST_FILES:
-        raise InputError(
-            f"These are {len(files)} files, more than cameras of any rig. Name those of the rig."
-        )
-    return files
-
-
-def _source(path: Path, wanted: RigFormat | None) -> SourceText:
-    """Read a file of sensible size."""
-    most = _MOST_BYTES if wanted is None else wanted.most_bytes
-    data = read_bytes(path, "file", most)
-    try:
-        text = data.decode("latin-1" if b"\0" in data else "utf-8-sig")
-    except UnicodeDecodeError:
-        text = data.decode("latin-1")
-    return SourceText(path, text, data)
 
 
 def _require_size(path: Path, length: int, most: int) -> None:

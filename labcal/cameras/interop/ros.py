@@ -51,6 +51,7 @@ from labcal.run.file_marks import TEXT_COMMENT
 _HOLDER = "ROS"
 _PAIR = 2
 _PLUMB_BOB, _RATIONAL = 5, 8
+_BINNING, _ROI = ("binning_x", "binning_y"), "roi"
 _MESSAGE_KEYS = {
     "camera_matrix": "k",
     "distortion_coefficients": "d",
@@ -58,6 +59,7 @@ _MESSAGE_KEYS = {
     "projection_matrix": "p",
 }
 """The keys of a message (sensor_msgs/CameraInfo) by those of a file."""
+_LAST_OF_A_MESSAGE = "do_rectify:"
 _COUNTS = (0, 4, _PLUMB_BOB, _RATIONAL, 12, 14)
 """OpenCV undistorts with whatever stands in the file, whichever of both names is beside it."""
 _LENSES = {
@@ -99,6 +101,8 @@ def read_ros(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN)
         str(content.get("camera_name") or path.stem) for content, path in zip(contents, paths, strict=True)
     ]
     cameras = [_camera(content, T, path) for content, T, path in zip(contents, poses, paths, strict=True)]
+    notes += tuple(_note_on_part(content, path) for content, path in zip(contents, paths, strict=True)
+                   if _is_of_part(content))  # fmt: skip
     return ReadRig(rig_of(names, cameras), notes)
 
 
@@ -167,6 +171,8 @@ def _content(source: SourceText) -> dict[str, Any]:
     documents = [text for text in texts if re.search(r"^[^#%\s]", text, re.MULTILINE)] or [source.text]
     # The last message that `ros2 topic echo` prints may be cut off.
     whole = [text for text in documents if _is_message(text)] or documents
+    if len(whole) > 1 and _LAST_OF_A_MESSAGE in whole[0] and _LAST_OF_A_MESSAGE not in whole[-1]:
+        whole = whole[:-1]
     contents = [_document(text, source.path) for text in whole]
     if any(content != contents[0] for content in contents):
         raise InputError(
@@ -189,7 +195,26 @@ def _document(text: str, path: Path) -> dict[str, Any]:
         "image_width": content.get("width"),
         "image_height": content.get("height"),
         "distortion_model": content.get("distortion_model"),
+        **{key: content.get(key) for key in (*_BINNING, _ROI)},
     }
+
+
+def _is_of_part(content: dict[str, Any]) -> bool:
+    """Tell whether the pictures of a camera are smaller than those that its matrix holds for."""
+    roi = content.get(_ROI)
+    sides = [roi.get(key) for key in ("width", "height")] if isinstance(roi, dict) else []
+    whole = [content.get("image_width"), content.get("image_height")]
+    parts = [
+        side for side, all_of_it in zip(sides, whole, strict=False) if str(side) not in {"0", str(all_of_it)}
+    ]
+    return bool(parts) or any(str(content.get(key) or 0) not in {"0", "1"} for key in _BINNING)
+
+
+def _note_on_part(content: dict[str, Any], path: Path) -> str:
+    return (
+        f"{path} states binning or a region of interest: its camera is read as of whole pictures of "
+        f"{content.get('image_width')} x {content.get('image_height')} px, which its matrix holds for."
+    )
 
 
 def _data(content: dict[str, Any], key: str, counts: Sequence[int], path: Path) -> tuple[float, ...]:

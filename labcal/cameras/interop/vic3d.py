@@ -2,7 +2,8 @@
 
 A camera holds eight numbers, cx cy fx fy fs kappa1 kappa2 kappa3, and an orientation alpha beta gamma tx ty
 tz that maps world to camera (degrees, millimetres; R = Rz(gamma) Ry(beta) Rx(alpha)), as DICe reads them. The
-formula of the kappas is not published, and DICe's own reader says that it guesses, so a camera with
+formula of the kappas is not published: DICe's source takes k1 r + k2 r^2 for it, leaves k3 out and says that
+this is a guess, and other readers of its files refuse it or copy the guess. So a camera with
 distortion or skew is refused. The size of the pictures stands at the polygon of the first area of interest.
 """
 
@@ -52,8 +53,9 @@ def read_project(root: Element, path: Path, stated: tuple[int, int] | None) -> R
         if any(bent):
             raise InputError(
                 f"{path}: {name} has skew or distortion (fs kappa1 kappa2 kappa3 = {bent}). VIC-3D does not "
-                "publish how it applies them, so they are not converted. Calibrate the cameras with labcal "
-                "from the same pictures."
+                "publish the formula (whether they shift ideal or measured places, by which powers, in which "
+                "unit), and the programs that read its files guess it. Calibrate from the same pictures with "
+                "labcal, or with MatchID, DICe or OpenCV, whose files are read."
             )
         element = camera.find("orientation")
         words = [] if element is None else (element.text or "").split()

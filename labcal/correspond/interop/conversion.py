@@ -77,7 +77,8 @@ def convert_detections(
     settings.refuse(beside, f"does not apply to {ends[0]} as input")
     if settings.target is None:
         raise InputError(
-            "Name the target of these dots: `target='NAME'` ('labcal target list' shows the names)."
+            "Name the target of these dots: `target='NAME'` ('labcal target list' shows the names; "
+            "corners of mrgingham are those of a chessboard)."
         )
     target = load_target(settings.target)
     kind = TABLE_KIND if ends[0] == CORNERS else corners_vnl.KIND

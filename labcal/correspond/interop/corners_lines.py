@@ -9,6 +9,7 @@ from jaxtyping import Float64
 
 from labcal.bounds import MOST_PICTURES
 from labcal.errors import InputError
+from labcal.run.decimal_words import decimal
 from labcal.run.tables import MOST_LINES
 from labcal.targets.target import Target
 
@@ -17,6 +18,8 @@ _COMMENT = "#"
 _LONGEST_LINE = 2**14
 _MISSING = (0.0, 0.0, 0.0)
 _MOST_LEVEL = 30
+_MOST_COUNTED = 1000
+"""Points of an image that are counted before it is given up, if the target has fewer."""
 _LEAST_WEIGHT = 1e-10
 
 
@@ -32,7 +35,7 @@ def points_by_image(
     kind : str or None
         Third column: ``weight``, ``level``, or none.
     target : Target
-        An image has no more points than it.
+        For messages.
     path : Path
         For messages.
 
@@ -57,8 +60,8 @@ def points_by_image(
                 f"Line {number} of {path} is damaged: '{' '.join(fields):.60}' should be x, y and a "
                 f"{kind or 'weight'}."
             ) from error
-        if len(points) > target.count:
-            raise _other_count(image, "more than " + str(target.count), target, path)
+        if len(points) > max(target.count, _MOST_COUNTED):
+            raise _other_count(image, f"more than {len(points) - 1}", target, path)
         if len(images) > MOST_PICTURES:
             raise InputError(f"{path} lists more than {MOST_PICTURES} images. Split it.")
     if not images:
@@ -85,9 +88,13 @@ def whole_grid(
 
 def _other_count(image: str, points: str, target: Target, path: Path) -> InputError:
     """Return the error for an image whose points cannot be those of the target."""
+    side = round(float(points) ** 0.5) if points.isdigit() else 0
+    corners = f"cols: {side}, rows: {side}" if str(side * side) == points else "cols: N, rows: N"
     return InputError(
         f"{path}: {image:.60} has {points} points, but '{target.name}' has {target.cols} x "
-        f"{target.rows}. Name the target that the pictures show."
+        f"{target.rows}. Name the target that the pictures show. mrgingham and mrcal take chessboards, "
+        f"which a file such as board.yaml describes: kind: chessboard, name: board, {corners} (corners), "
+        "square_mm: LENGTH, each in a line."
     )
 
 
@@ -100,7 +107,7 @@ def positive_sigma(word: str, path: Path) -> float:
         It is no positive number of a sane size.
     """
     try:
-        value = float(word)
+        value = decimal(word)
     except ValueError:
         value = np.nan
     if not (np.isfinite(value) and _LEAST_WEIGHT <= value <= 1.0 / _LEAST_WEIGHT):
@@ -125,7 +132,7 @@ def _point(fields: list[str], kind: str | None) -> tuple[float, float, float]:
         raise ValueError(fields)
     if "-" in fields:
         return _MISSING
-    x, y, last = (*(float(field) for field in fields), 1.0)[:3]
+    x, y, last = (*(decimal(field) for field in fields), 1.0)[:3]
     if not all(map(isfinite, (x, y, last))) or (kind == "level" and last > _MOST_LEVEL) or not _weighs(last):
         raise ValueError(fields)
     if kind == "level":

@@ -15,7 +15,7 @@ from labcal.paths import AnyPath
 from labcal.report.page.part import Part
 from labcal.report.page.templates import rendered
 from labcal.report.thumbnail import thumbnail
-from labcal.shoot.pictures import read_picture
+from labcal.shoot.picture_to_show import read_picture_to_show
 
 _WIDTH = 900
 _JPEG_QUALITY = 80
@@ -40,6 +40,8 @@ class Photograph(Part):
         Of each, px; NaN where there is none.
     title : str
         Which picture it is.
+    size : (int, int), optional
+        Width and height, px; needed of files without a header.
     """
 
     name: str
@@ -47,11 +49,12 @@ class Photograph(Part):
     q: Pixels
     residual: Float64[np.ndarray, "n 2"]
     title: str
+    size: tuple[int, int] | None = None
 
     def html(self) -> Markup:
         """Return the picture as a JPEG inside an SVG, or why it is not here."""
         try:
-            picture = read_picture(self.path)
+            picture = read_picture_to_show(self.path, self.size)
         except InputError as error:
             missing = {"photograph": self, "svg": None, "absent": str(error), "caption": self.title}
             return rendered("photograph.html.jinja", missing)

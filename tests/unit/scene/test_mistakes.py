@@ -252,3 +252,12 @@ def test_a_refocused_lens_has_another_focal_length_later() -> None:
         later = at >= len(views) // 2
         assert focal[view, "right"] == pytest.approx(704.0 * (1.01 if later else 1.0))
         assert focal[view, "left"] == pytest.approx(700.0)
+
+
+def test_a_print_with_a_code_has_no_wrong_pitch_of_its_own() -> None:
+    """Its code would describe the wrong board."""
+    scene = load_scene("webcam-handheld", ("mistake=wrong-pitch",))
+    assert built_scene(scene).target != scene.target
+    coded = scene.model_copy(update={"board": scene.board.model_copy(update={"print_number": 3})})
+    with pytest.raises(InputError, match=r"Leave out board\.print_number"):
+        built_scene(coded)

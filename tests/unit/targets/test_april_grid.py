@@ -96,3 +96,13 @@ def test_kalibrs_own_file_is_a_target(tmp_path: Path) -> None:
     file.write_text("target_type: 'checkerboard'\ntargetCols: 6\n")
     with pytest.raises(InputError, match="'aprilgrid' is read"):
         load_target(file)
+
+
+@pytest.mark.parametrize(("key", "given"), [("tagRows", "true"), ("tagSpacing", "yes"), ("tagSize", "big")])
+def test_numbers_of_kalibr_are_numbers(key: str, given: str, tmp_path: Path) -> None:
+    content = {"target_type": "aprilgrid", "tagCols": 6, "tagRows": 6, "tagSize": 0.088, "tagSpacing": 0.3}
+    lines = [f"{name}: {given if name == key else value}\n" for name, value in content.items()]
+    path = tmp_path / "target.yaml"
+    path.write_text("".join(lines))
+    with pytest.raises(InputError, match=f"{key}: .* should be"):
+        load_target(path)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from labcal.correspond.named_pixels_csv import MOST_BYTES
 from labcal.errors import InputError
+from labcal.run.decimal_words import decimal
 from labcal.run.file_reading import read_text
 from labcal.wording import clipped, printable
 
@@ -56,7 +57,7 @@ def number_in(cell: str, path: Path, line: int) -> float:
         It is no number, or not a finite one.
     """
     try:
-        value = float(cell) if cell else float("nan")
+        value = decimal(cell) if cell else float("nan")
     except ValueError as error:
         given = clipped(printable(cell), 20)
         raise InputError(f"Line {line} of {path} is damaged: '{given}' is no number.") from error

@@ -13,6 +13,7 @@ from labcal.correspond.interop.pixels.exchange import PixelFormat, PixelLines, P
 from labcal.correspond.named_pixels_csv import MOST_BYTES
 from labcal.correspond.sources import loose_source, refuse_unnamed_cameras
 from labcal.errors import InputError
+from labcal.run.decimal_words import decimal
 from labcal.run.file_reading import read_text
 from labcal.wording import clipped, counted, printable
 
@@ -85,7 +86,7 @@ def _images(path: Path) -> dict[str, list[str]]:
 def _number(word: str, image: str, path: Path) -> float:
     """Return a coordinate, px."""
     try:
-        value = float(word)
+        value = decimal(word)
     except ValueError:
         value = np.nan
     if not np.isfinite(value):

@@ -19,6 +19,7 @@ from labcal.correspond.interop.pixels.exchange import (
     camera_of_file,
 )
 from labcal.errors import InputError
+from labcal.shoot.pictures import SUFFIXES
 from labcal.wording import counted
 
 LIKELIHOOD = 0.6
@@ -50,11 +51,17 @@ def read_dlc(paths: Sequence[Path], given: PixelOptions) -> ReadPixels:
                 raise InputError(
                     f"Line {number} of {path} is damaged: {counted(len(row), 'cell')}, not {len(head[0])}."
                 )
-            view = "-".join(filter(None, (rest, Path("".join(row[first - 1 : first])).stem)))
+            view = "-".join(filter(None, (rest, _frame("".join(row[first - 1 : first])))))
             for point, column in columns.items():
                 x, y, *likelihood = (number_in(row[at], path, number) for at in column)
-                if isnan(x) or isnan(y):  # not labelled
+                if isnan(x) != isnan(y):
+                    raise InputError(f"Line {number} of {path} is damaged: one of x and y is missing.")
+                if isnan(x):  # not labelled
                     continue
+                if likelihood and likelihood[0] > 1.0:
+                    raise InputError(
+                        f"Line {number} of {path} is damaged: the likelihood {likelihood[0]:g} is above 1."
+                    )
                 if likelihood and not likelihood[0] >= least:
                     unlikely += 1
                     continue
@@ -66,6 +73,12 @@ def read_dlc(paths: Sequence[Path], given: PixelOptions) -> ReadPixels:
             "another limit"
         )
     return ReadPixels(lines.table(), tuple(notes))
+
+
+def _frame(cell: str) -> str:
+    """Return the frame that a line is of: its number, or the name of its picture without the ending."""
+    path = Path(cell)
+    return path.stem if path.suffix.lower() in SUFFIXES else path.name or cell
 
 
 def _header(rows: list[tuple[int, list[str]]], path: Path) -> list[list[str]]:

@@ -116,11 +116,53 @@ def test_a_lens_that_a_format_does_not_have_is_refused_by_name(
         FORMATS[name].write(make_rig(lens), FORMATS[name].suffixes[0])
 
 
-def test_three_cameras_are_too_many_for_ros(make_rig: MakeRig) -> None:
-    with pytest.raises(InputError, match="`only='left,right-2'`"):
-        FORMATS["ros"].write(make_rig("pinhole", count=3), ".yaml")
-
-
 def test_every_format_is_tried_with_every_lens() -> None:
     assert set(HELD) == set(FORMATS)
     assert len(CASES) + len(MISSING) == len(FORMATS) * len(LENSES)
+
+
+MOST = {"ros": 2, "matlab": 2, "matchid": 2}
+"""Cameras that a format holds, where it has a limit."""
+MIXED = [
+    (name, first, second)
+    for name, lenses in HELD.items()
+    for first, second in zip(lenses, (*lenses[1:], lenses[0]), strict=True)
+]
+
+
+@pytest.mark.parametrize(("name", "first", "second"), MIXED)
+def test_unlike_cameras_come_back_or_are_refused_by_name(
+    name: str, first: str, second: str, tmp_path: Path, make_rig: MakeRig
+) -> None:
+    """Three cameras (or as many as there may be) with two lenses and three sizes."""
+    sizes = {"left": (640, 480), "right-2": (620, 470), "third": (600, 520)}
+    records = {}
+    for lens, camera in zip((first, second, first), list(sizes)[: MOST.get(name, 3)], strict=False):
+        record = make_rig(lens, count=3).cameras[camera]
+        records[camera] = record.model_copy(update={"size": sizes[camera]})
+    rig = Rig(cameras=records)
+    if name == "matchid":
+        assert "640x480 and 620x470" in " ".join(FORMATS[name].write(rig, ".caldat").notes)
+        return
+    back, _ = there_and_back(rig, name, tmp_path)
+    assert list(back.cameras) == list(rig.cameras)
+    for camera, record in back.cameras.items():
+        meant = rig.cameras[camera]
+        assert (record.lens, record.size, record.dist) == (meant.lens, meant.size, meant.dist)
+        np.testing.assert_allclose(record.K, meant.K, rtol=1e-15 if name in SHIFTED else 0.0, atol=0.0)
+        np.testing.assert_allclose(record.T_cam_world, meant.T_cam_world, rtol=1e-12, atol=1e-13)
+
+
+def test_a_pair_of_opencv_has_one_size_and_one_kind_of_lens(make_rig: MakeRig) -> None:
+    one, other = make_rig("brown5").cameras["left"], make_rig("fisheye-kb4").cameras["right-2"]
+    with pytest.raises(InputError, match="one kind of lens"):
+        FORMATS["opencv"].write(Rig(cameras={"left": one, "right": other}), ".yml")
+    larger = one.model_copy(update={"size": (620, 470)})
+    with pytest.raises(InputError, match="one size of the pictures"):
+        FORMATS["opencv"].write(Rig(cameras={"left": one, "right": larger}), ".yml")
+
+
+@pytest.mark.parametrize("name", list(MOST))
+def test_three_cameras_are_refused_where_two_are_the_most(name: str, make_rig: MakeRig) -> None:
+    with pytest.raises(InputError, match="`only='left,right-2'`"):
+        FORMATS[name].write(make_rig("pinhole", count=3), FORMATS[name].suffixes[0])

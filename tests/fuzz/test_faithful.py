@@ -1,0 +1,39 @@
+"""Mutated files are refused by labcal's own errors, or read to what they state: numbers, and poses."""
+
+from pathlib import Path
+
+import pytest
+
+from fuzz.faithful import readings
+from fuzz.faithful_tables import TABLES, table_readings
+from fuzz.stated_cameras import READERS
+from labcal.cameras.interop.registry import FORMATS
+
+QUICK, MANY = 40, 400
+"""Mutants of a kind; ``python -m fuzz.files --count 3000`` tries more, by the seed of the day."""
+
+
+@pytest.mark.parametrize("name", list(READERS))
+def test_mutated_files_of_cameras(name: str, tmp_path: Path) -> None:
+    found = list(readings(name, tmp_path, 19, QUICK))
+    assert not [one for one in found if one.faults]
+    assert sum(one.refused for one in found) > QUICK / 8
+
+
+@pytest.mark.parametrize("name", list(TABLES))
+def test_mutated_tables(name: str, tmp_path: Path) -> None:
+    found = list(table_readings(name, tmp_path, 19, QUICK))
+    assert not [one for one in found if one.faults]
+    assert sum(one.refused for one in found) > QUICK / 8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*READERS, *TABLES])
+def test_many_mutated_files(name: str, tmp_path: Path) -> None:
+    found = list((readings if name in READERS else table_readings)(name, tmp_path, 20, MANY))
+    assert not [one for one in found if one.faults]
+    assert not all(one.refused for one in found)
+
+
+def test_every_format_has_a_judge() -> None:
+    assert set(FORMATS) <= set(READERS)
