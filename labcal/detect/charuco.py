@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.detect.corners.corners import Corners, measured_corners
+from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
 from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
 from labcal.detect.corners.markers_elsewhere import why_not_in_place
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
@@ -48,6 +48,7 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     rough = corners_beside(placed, board)
     found = Corners(rough.index, rough.q, [None] * len(rough.index), rough.axes)
     corners = measured_corners(grey, board, found, settings)
+    corners = widened_corners(grey, board, corners, settings.corner)
     further = {(int(i), int(j)) for i, j in rough.index[~rough.beside]}
     kept = [
         fit is not None or (int(i), int(j)) not in further

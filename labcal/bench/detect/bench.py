@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from labcal.bench.boards.charucos import charuco_findings
 from labcal.bench.boards.chessboards import chessboard_findings
 from labcal.bench.detect.accuracy import accuracy_findings
 from labcal.bench.detect.bias import bias_checks
@@ -27,6 +28,7 @@ GROUPS: Groups = {
     "speed": speed_findings,
     "hostile": hostile_findings,
     "chessboards": chessboard_findings,
+    "charuco": charuco_findings,
     "coded-dots": coded_dot_findings,
     "tags": tag_findings,
     "marks-in-space": marks_in_space_findings,
