@@ -21,6 +21,9 @@ from labcal.targets.charuco import CharucoBoard
 _OVERHANG = 2
 """Lines of false corners, of the paper's rim, by which a lattice may go beyond the board."""
 
+_RINGS = (1.0, 0.7)
+"""Radii of the rings that are read around corners, of the usual one: beside small squares lie markers."""
+
 
 @dataclass(frozen=True)
 class _Place:
@@ -55,11 +58,15 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
         Rough places with ids; none where nothing is certain.
     """
     for level in reduced_pictures(grey, settings):
-        saddles = find_saddles(level.grey, settings.saddle)
-        for lattice in find_board_lattices(saddles, max(board.cols, board.rows), NONE, settings):
-            corners = _placed(level, (lattice, saddles), board, settings)
-            if len(corners.index):
-                return corners
+        for share in _RINGS:
+            near = settings.saddle.model_copy(
+                update={"ring_px": share * settings.saddle.ring_px, "blur_px": share * settings.saddle.blur_px}
+            )
+            saddles = find_saddles(level.grey, near)
+            for lattice in find_board_lattices(saddles, max(board.cols, board.rows), NONE, settings):
+                corners = _placed(level, (lattice, saddles), board, settings)
+                if len(corners.index):
+                    return corners
     return Corners.none()
 
 
@@ -79,7 +86,7 @@ def _placed(
         return Corners.none()
     places.sort(key=lambda one: -one.sigmas)
     best = places[0]
-    enough = float(norm.isf(settings.corner.code_false_alarms / len(places)))
+    enough = float(norm.isf(settings.corner.code_false_alarms / len(places) / len(_RINGS)))
     certain = best.sigmas > enough and best.without_best > settings.corner.min_code_sigmas
     alone = len(places) == 1 or best.sigmas - places[1].sigmas > settings.corner.min_code_sigmas
     index = nodes @ TURNS[best.turn].T + best.shift
@@ -145,13 +152,23 @@ def _marker_numbers(board: CharucoBoard) -> Int[np.ndarray, "cols rows"]:
 
 
 def _goes_on(index: np.ndarray, board: CharucoBoard, share: float) -> bool:
-    """Tell whether a line of corners beyond the board holds as many as one on the board should."""
+    """Tell whether a line of corners goes on beyond the board, as of a board with more squares.
+
+    At the rim of a board every other corner of the outermost squares may look like an inner one, so pairs of
+    neighbours count.
+    """
     for axis, count in enumerate((board.cols, board.rows)):
-        for line in np.unique(index[:, axis]):
+        for line in np.unique(index[:, axis]).tolist():
             if 0 <= line < count:
                 continue
-            on = index[:, axis] == line
-            inner = index[index[:, axis] == (0 if line < 0 else count - 1)]
-            if on.sum() >= share * max(len(inner), 2):
+            beyond, last = (
+                _neighbours(index[index[:, axis] == one, 1 - axis]) for one in (line, 0 if line < 0 else count - 1)
+            )
+            if beyond >= share * max(last, 1):
                 return True
     return False
+
+
+def _neighbours(places: np.ndarray) -> int:
+    """Return how many nodes of a line have the next one beside them."""
+    return int(np.isin(places + 1, places).sum())

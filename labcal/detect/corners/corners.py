@@ -1,6 +1,6 @@
 """All corners of a chessboard that can be measured, from those that are known roughly."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -128,7 +128,7 @@ def measured_corners(
 
 
 def widened_corners(
-    grey: GreyPicture, board: SquareBoard, corners: Corners, settings: CornerSettings
+    grey: GreyPicture, board: SquareBoard, corners: Corners, settings: CornerSettings, border: float = 0.0
 ) -> Corners:
     """Return corners with their fits over all of their edges, those that are as good as the others.
 
@@ -140,6 +140,8 @@ def widened_corners(
     corners : Corners
         As of :func:`measured_corners`.
     settings : CornerSettings
+    border : float
+        Black of the markers that the fits may count with, in squares from their edges on.
     """
     nodes = [(int(i), int(j)) for i, j in corners.index]
     fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
@@ -147,7 +149,7 @@ def widened_corners(
         return corners
     search = _Search.of(grey, board, settings)
     around = {
-        node: search.surroundings(node, place, axes)
+        node: replace(search.surroundings(node, place, axes), border=border)
         for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
     }
     wider = wider_fits(grey, fits, around, settings)
