@@ -3,7 +3,7 @@
 import numpy as np
 
 from labcal.detect.corners.board_by_codes import corners_by_codes
-from labcal.detect.corners.blackened_markers import without_codes
+from labcal.detect.corners.removed_markers import without_markers
 from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
 from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
 from labcal.detect.corners.markers_elsewhere import why_not_in_place
@@ -19,7 +19,7 @@ from labcal.targets.charuco import CharucoBoard
 from labcal.wording import counted
 
 _ROUNDS = 2
-"""Of fits over all edges: markers are blackened where the corners around them are."""
+"""Of fits over all edges: markers are taken out where the corners around say that they are."""
 
 
 def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> PictureDots:
@@ -79,10 +79,10 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
 def _widened(
     grey: GreyPicture, board: CharucoBoard, corners: Corners, settings: CornerSettings
 ) -> Corners:
-    """Return corners with fits over all of their edges, in pictures whose markers are blackened as they lie."""
+    """Return corners with fits over all of their edges, in pictures that the markers are taken out of."""
     for _ in range(_ROUNDS):
-        plain = without_codes(grey, board, corners)
-        corners = widened_corners(plain, board, corners, settings, board.marker_border)
+        plain = without_markers(grey, board, corners)
+        corners = widened_corners(plain, board, corners, settings, gap=1.0)
     return corners
 
 

@@ -1,7 +1,5 @@
 """The ChArUco board: a chessboard whose white squares carry markers, so that every corner is known."""
 
-import math
-import re
 from enum import StrEnum
 from typing import Annotated, Literal
 
@@ -56,13 +54,6 @@ class MarkerDictionary(StrEnum):
     def size(self) -> int:
         """Number of markers in the set."""
         return _SIZES.get(self.value) or int(self.value.rpartition("_")[2])
-
-    @property
-    def cells(self) -> int:
-        """Cells along a side of a marker, without its border."""
-        side = re.search(r"_(\d)X", self.value)
-        bits = re.search(r"_(\d+)h", self.value)
-        return int(side[1]) if side else math.isqrt(int(bits[1])) if bits else 5
 
 
 _SIZES = {
@@ -173,11 +164,6 @@ class CharucoBoard(CornerBoard):
     def corner_gap(self) -> float:
         """White between a corner's edges and the nearest markers, in squares."""
         return 0.5 * (1.0 - self.marker_mm / self.square_mm)
-
-    @property
-    def marker_border(self) -> float:
-        """Width of the markers' black borders, a cell, in squares."""
-        return self.marker_mm / self.square_mm / (self.dictionary.cells + 2)
 
     def clear_reach(self, col: int, row: int) -> float:  # noqa: ARG002 -- as of every board of squares
         """Return 1: black squares are plain."""

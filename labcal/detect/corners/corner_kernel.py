@@ -104,11 +104,10 @@ def _pattern_at(
 ) -> None:
     """Write the value and derivatives of a pattern at distances u (2,) from its edges, in blurs.
 
-    After those of `_board_at`, those by the gaps to the markers follow. `blend` holds the correlation and its quadrature.
+    `blend` holds the correlation and its quadrature.
     """
     a, b = u[0], u[1]
     _board_at(a, b, blend[0], blend[1], out)
-    out[4] = out[5] = 0.0
     if pattern == WEDGE:
         below_a, below_b = 0.5 * (1.0 + erf(a / sqrt(2.0))), 0.5 * (1.0 + erf(b / sqrt(2.0)))
         root = sqrt(2.0 * pi)
@@ -120,18 +119,12 @@ def _pattern_at(
         dark_a = 0.5 * (1.0 + erf((abs(a) - gap[0]) / sqrt(2.0)))
         dark_b = 0.5 * (1.0 + erf((abs(b) - gap[1]) / sqrt(2.0)))
         out[0] -= 2.0 * dark_a * dark_b
-        # The markers' borders are printed with the edges, and move with them.
-        root = sqrt(2.0 * pi)
-        out[4] = 2.0 * exp(-0.5 * (abs(a) - gap[0]) ** 2) / root * dark_b
-        out[5] = 2.0 * exp(-0.5 * (abs(b) - gap[1]) ** 2) / root * dark_a
-        out[1] -= out[4] if a > 0.0 else -out[4]
-        out[2] -= out[5] if b > 0.0 else -out[5]
 
 
 @compiled
 def pattern_values(u: np.ndarray, correlation: float, gap: np.ndarray, pattern: int) -> np.ndarray:
     """Return a pattern at distances u (2, n) from its edges, with markers `gap` (2,) away; all in blurs."""
-    values, at = np.empty(u.shape[1]), np.empty(6)
+    values, at = np.empty(u.shape[1]), np.empty(4)
     blend = (correlation, _quadrature(correlation))
     for k in range(u.shape[1]):
         _pattern_at(u[:, k], blend, gap, pattern, at)
@@ -162,7 +155,7 @@ def fill_jacobian(
     c0, s0, c1, s1 = cos(state[2]), sin(state[2]), cos(state[3]), sin(state[3])
     blur0, blur1 = state[4], state[5]
     mean, step = state[6], state[7]
-    u, gaps, at = np.empty(2), np.empty(2), np.empty(6)
+    u, gaps, at = np.empty(2), np.empty(2), np.empty(4)
     gaps[0], gaps[1] = gap[0] / blur0, gap[1] / blur1
     for k in range(len(value)):
         x, y = offset[0, k], offset[1, k]
@@ -179,8 +172,8 @@ def fill_jacobian(
         jacobian[1, k] = -first * s0 - second * s1
         jacobian[2, k] = first * across0 - turn
         jacobian[3, k] = second * across1 + turn
-        jacobian[4, k] = -first * u[0] - light * step / blur0 * gaps[0] * at[4]
-        jacobian[5, k] = -second * u[1] - light * step / blur1 * gaps[1] * at[5]
+        jacobian[4, k] = -first * u[0]
+        jacobian[5, k] = -second * u[1]
         jacobian[6, k] = light
         jacobian[7, k] = light * at[0]
         jacobian[8, k] = x * plain

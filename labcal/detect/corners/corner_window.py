@@ -31,8 +31,6 @@ class Surroundings:
         How far from the corner the pixels reach, in squares.
     bend : ndarray, shape (2,)
         Curvature of either edge towards its normal, 1/px.
-    border : float
-        Black of the markers, from their edges on, that is as the fit models it, in squares.
     """
 
     centre: np.ndarray
@@ -43,12 +41,11 @@ class Surroundings:
     clear: float = 1.0
     share: float = 0.45
     bend: np.ndarray = field(default_factory=lambda: np.zeros(2))
-    border: float = 0.0
 
     @property
     def limits(self) -> "WindowLimits":
         """The same for compiled code."""
-        return WindowLimits(float(self.white), self.gap, self.clear, self.reach, self.share, self.border)
+        return WindowLimits(float(self.white), self.gap, self.clear, self.reach, self.share)
 
 
 class WindowLimits(NamedTuple):
@@ -59,7 +56,6 @@ class WindowLimits(NamedTuple):
     clear: float
     reach: float
     share: float
-    border: float = 0.0
 
 
 @compiled
@@ -93,7 +89,6 @@ def window_arrays(
     gap = np.empty(2)
     gap[0] = limits.gap * abs(det) / hypot(axes[0, 1], axes[1, 1])
     gap[1] = limits.gap * abs(det) / hypot(axes[0, 0], axes[1, 0])
-    known = limits.border if limits.border > 0.0 else -guard
     n = 0
     for j in range(high):
         for i in range(wide):
@@ -101,7 +96,7 @@ def window_arrays(
             along = (axes[1, 1] * dx - axes[0, 1] * dy) / det
             up = (axes[0, 0] * dy - axes[1, 0] * dx) / det
             nearest, farthest = min(abs(along), abs(up)), max(abs(along), abs(up))
-            marked = along * up * limits.white > 0.0 and nearest > limits.gap + known
+            marked = along * up * limits.white > 0.0 and nearest > limits.gap - guard
             if marked or nearest > limits.clear - guard or farthest >= limits.share or hypot(dx, dy) >= reach:
                 continue
             mask[j, i] = True

@@ -128,7 +128,7 @@ def measured_corners(
 
 
 def widened_corners(
-    grey: GreyPicture, board: SquareBoard, corners: Corners, settings: CornerSettings, border: float = 0.0
+    grey: GreyPicture, board: SquareBoard, corners: Corners, settings: CornerSettings, gap: float | None = None
 ) -> Corners:
     """Return corners with their fits over all of their edges, those that are as good as the others.
 
@@ -140,8 +140,9 @@ def widened_corners(
     corners : Corners
         As of :func:`measured_corners`.
     settings : CornerSettings
-    border : float
-        Black of the markers that the fits may count with, in squares from their edges on.
+    gap : float, optional
+        White between a corner's edges and the nearest markers, in squares, where it is not the board's: 1 in a
+        picture that markers are taken out of.
     """
     nodes = [(int(i), int(j)) for i, j in corners.index]
     fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
@@ -149,7 +150,7 @@ def widened_corners(
         return corners
     search = _Search.of(grey, board, settings)
     around = {
-        node: replace(search.surroundings(node, place, axes), border=border)
+        node: replace(search.surroundings(node, place, axes), gap=board.corner_gap if gap is None else gap)
         for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
     }
     wider = wider_fits(grey, fits, around, settings)

@@ -1,4 +1,4 @@
-"""Pictures of ChArUco boards in which the markers are black all over: their white cells are subtracted."""
+"""Pictures of ChArUco boards that the markers are taken out of: white squares are left."""
 
 from dataclasses import dataclass
 
@@ -18,6 +18,8 @@ _REACH_SIGMAS = 3.5
 _SAMPLES_A_BLUR = 5.0
 _MOST_SAMPLES = 9
 """Samples along a side of a pixel, an odd number."""
+_MOST_CONDITION = 1e10
+"""Of a homography, above which its corners are all but on one line."""
 
 
 @dataclass(frozen=True)
@@ -29,12 +31,12 @@ class _Around:
     step: Float64[np.ndarray, " k"]
 
 
-def without_codes(grey: GreyPicture, board: CharucoBoard, corners: Corners) -> GreyPicture:
-    """Return a picture in which the white cells of the markers are as black as their borders.
+def without_markers(grey: GreyPicture, board: CharucoBoard, corners: Corners) -> GreyPicture:
+    """Return a picture of the board with plain white squares.
 
-    What a white cell adds to the picture is known: its place by the homography of the corners around it,
-    the blur of their edges, and their step from black to white. A fit of a corner can then count with the
-    borders of the markers beside it, whatever their codes.
+    What the ink of a marker takes from the picture is known: its place by the homography of the corners around
+    it, the blur of their edges, and their step from black to white. It is given back. A fit of a corner can
+    then count with all pixels beside its edges, as on a plain chessboard.
 
     Parameters
     ----------
@@ -58,14 +60,14 @@ def without_codes(grey: GreyPicture, board: CharucoBoard, corners: Corners) -> G
         near = np.abs(index - (corner + 0.5 * side)).max(axis=1) < _NEAR_SQUARES
         if spans_a_plane(index[near]):
             around = _Around(index[near], q[near], steps[near])
-            _blacken(plain, around, (corner, side, black[::-1].T), blur)
+            _remove(plain, around, (corner, side, black[::-1].T), blur)
     return plain
 
 
-def _blacken(
+def _remove(
     picture: GreyPicture, around: _Around, marker: tuple[np.ndarray, float, np.ndarray], blur: float
 ) -> None:
-    """Subtract the white cells of a marker from a picture, in place.
+    """Give back to a picture, in place, what the ink of a marker takes from it.
 
     `marker` holds its lower left corner and side, in squares, and which cells are black, by column and row.
     """
@@ -74,7 +76,7 @@ def _blacken(
     quad = corner + side * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     seen = homogeneous(quad) @ H.T
     q = seen[:, :2] / seen[:, 2:]
-    if (seen[:, 2] * seen[0, 2] <= 0.0).any():
+    if (seen[:, 2] * seen[0, 2] <= 0.0).any() or np.linalg.cond(H) > _MOST_CONDITION:
         return
     reach = _REACH_SIGMAS * blur
     low = np.maximum(np.ceil(q.min(axis=0) - reach), 0).astype(int)
@@ -96,12 +98,12 @@ def _blacken(
         for places, start in ((col, corner[0]), (row, corner[1]))
     )
     inside = (i >= 0) & (j >= 0) & (i < cells) & (j < cells)
-    white = np.zeros(inside.shape, dtype=np.float32)
-    white[inside] = ~black[i[inside], j[inside]]
-    soft = cv2.GaussianBlur(white, (0, 0), blur * samples, borderType=cv2.BORDER_CONSTANT)
+    ink = np.zeros(inside.shape, dtype=np.float32)
+    ink[inside] = black[i[inside], j[inside]]
+    soft = cv2.GaussianBlur(ink, (0, 0), blur * samples, borderType=cv2.BORDER_CONSTANT)
     share = soft[border * samples + samples // 2 :: samples, border * samples + samples // 2 :: samples]
     design = np.concatenate([np.ones((len(around.q), 1)), around.q], axis=1)
     plane = np.linalg.lstsq(design, around.step, rcond=None)[0]
     step = plane[0] + plane[1] * np.arange(low[0], high[0] + 1)[None] + plane[2] * np.arange(low[1], high[1] + 1)[:, None]
     here = picture[low[1] : high[1] + 1, low[0] : high[0] + 1]
-    here -= (step * share[:height, :width]).astype(picture.dtype)
+    here += (step * share[:height, :width]).astype(picture.dtype)
