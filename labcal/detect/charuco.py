@@ -80,9 +80,10 @@ def _widened(
     grey: GreyPicture, board: CharucoBoard, corners: Corners, settings: CornerSettings
 ) -> Corners:
     """Return corners with fits over all of their edges, in pictures that the markers are taken out of."""
+    unguarded = settings.model_copy(update={"marker_guard_blurs": 0.0})
     for _ in range(_ROUNDS):
         plain = without_markers(grey, board, corners)
-        corners = widened_corners(plain, board, corners, settings, gap=1.0)
+        corners = widened_corners(plain, board, corners, unguarded, board.corner_gap)
     return corners
 
 

@@ -128,7 +128,7 @@ def measured_corners(
 
 
 def widened_corners(
-    grey: GreyPicture, board: SquareBoard, corners: Corners, settings: CornerSettings, gap: float | None = None
+    grey: GreyPicture, board: SquareBoard, corners: Corners, settings: CornerSettings, removed_gap: float | None = None
 ) -> Corners:
     """Return corners with their fits over all of their edges, those that are as good as the others.
 
@@ -140,9 +140,8 @@ def widened_corners(
     corners : Corners
         As of :func:`measured_corners`.
     settings : CornerSettings
-    gap : float, optional
-        White between a corner's edges and the nearest markers, in squares, where it is not the board's: 1 in a
-        picture that markers are taken out of.
+    removed_gap : float, optional
+        White between a corner's edges and markers that are taken out of the picture, in squares.
     """
     nodes = [(int(i), int(j)) for i, j in corners.index]
     fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
@@ -150,7 +149,7 @@ def widened_corners(
         return corners
     search = _Search.of(grey, board, settings)
     around = {
-        node: replace(search.surroundings(node, place, axes), gap=board.corner_gap if gap is None else gap)
+        node: _without_markers(search.surroundings(node, place, axes), removed_gap)
         for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
     }
     wider = wider_fits(grey, fits, around, settings)
@@ -160,6 +159,11 @@ def widened_corners(
         place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
     ]
     return Corners(corners.index, np.array(seen_at), found)
+
+
+def _without_markers(around: Surroundings, removed_gap: float | None) -> Surroundings:
+    """Return surroundings whose markers, at a gap, are taken out; as they are where there are none."""
+    return around if removed_gap is None else replace(around, gap=1.0, removed_gap=removed_gap)
 
 
 def _as_outlines(places: list[np.ndarray]) -> Outlines:
