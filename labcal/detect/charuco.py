@@ -3,11 +3,11 @@
 import numpy as np
 
 from labcal.detect.corners.board_by_codes import corners_by_codes
-from labcal.detect.corners.removed_markers import without_markers
 from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
 from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
 from labcal.detect.corners.markers_elsewhere import why_not_in_place
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
+from labcal.detect.corners.removed_markers import without_markers
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
@@ -76,9 +76,7 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     return dots if smooth else dots.refused(Refusal.GRID_INCONSISTENT)
 
 
-def _widened(
-    grey: GreyPicture, board: CharucoBoard, corners: Corners, settings: CornerSettings
-) -> Corners:
+def _widened(grey: GreyPicture, board: CharucoBoard, corners: Corners, settings: CornerSettings) -> Corners:
     """Return corners with fits over all of their edges, in pictures that the markers are taken out of."""
     unguarded = settings.model_copy(update={"marker_guard_blurs": 0.0})
     for _ in range(_ROUNDS):

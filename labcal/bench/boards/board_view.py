@@ -17,7 +17,9 @@ from labcal.bench.boards.chessboard_picture import (
 from labcal.bench.marks.drawn_picture import PAPER, Cover, Exposure, tilted
 
 
-def random_view(places: np.ndarray, side_px: tuple[float, float], random: np.random.Generator) -> Exposure | None:
+def random_view(
+    places: np.ndarray, side_px: tuple[float, float], random: np.random.Generator
+) -> Exposure | None:
     """Return a view of a board at random, not blurred; None where a corner is behind the camera.
 
     Parameters
@@ -47,7 +49,7 @@ def random_view(places: np.ndarray, side_px: tuple[float, float], random: np.ran
 
 
 def random_cover(inside: Pixels, random: np.random.Generator) -> Cover | None:
-    """Return a rectangle that hides up to 30% of the corners in the frame (n, 2), at random; None for none."""
+    """Return a rectangle that hides up to 30% of the corners in the frame (n, 2), or None."""
     wanted = random.uniform(0.0, HIDDEN)
     middle = inside[int(random.integers(len(inside)))]
     turn = float(random.uniform(-np.pi, np.pi))

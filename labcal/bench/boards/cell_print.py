@@ -33,7 +33,8 @@ def cell_ink(x_lines: np.ndarray, y_lines: np.ndarray, share: np.ndarray) -> Pri
 
     def ink(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         (left, right_share), (below, upper_share) = (
-            _beside(place, *of_axis) for place, of_axis in zip((x, y), zip(lines, tables, strict=True), strict=True)
+            _beside(place, *of_axis)
+            for place, of_axis in zip((x, y), zip(lines, tables, strict=True), strict=True)
         )
         lower = share[below, left] * (1.0 - right_share) + share[below, left + 1] * right_share
         upper = share[below + 1, left] * (1.0 - right_share) + share[below + 1, left + 1] * right_share
@@ -46,7 +47,7 @@ def _table(lines: np.ndarray) -> np.ndarray:
     """Return the number of the line nearest to places in even steps from the first to the last line."""
     step = float(np.diff(lines).min()) / _BINS_A_CELL
     places = lines[0] + step * np.arange(int(np.ceil((lines[-1] - lines[0]) / step)) + 1)
-    return np.searchsorted(0.5 * (lines[1:] + lines[:-1]), places)
+    return np.asarray(np.searchsorted(0.5 * (lines[1:] + lines[:-1]), places))
 
 
 def _beside(place: np.ndarray, lines: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

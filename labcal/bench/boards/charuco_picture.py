@@ -1,4 +1,4 @@
-"""Drawn pictures of ChArUco boards over all difficulties of their detection, with the truth of every corner."""
+"""Drawn pictures of ChArUco boards over all difficulties of detection, with the truth of every corner."""
 
 from dataclasses import dataclass, replace
 
@@ -67,8 +67,8 @@ def charuco_picture(number: int, seed: int) -> CharucoPicture:
     """Draw one picture; each quantity is drawn from its range.
 
     Pictures with an even number show markers of 4 x 4 cells; the others 5 x 5 cells, from the id 20 on, on a
-    board in OpenCV's legacy pattern. Boards may run out of the frame and be hidden in part. Draws are repeated
-    until half of the corners are in sight.
+    board in OpenCV's legacy pattern. Boards may run out of the frame and be hidden in part. Draws are
+    repeated until half of the corners are in sight.
 
     Parameters
     ----------
@@ -82,7 +82,9 @@ def charuco_picture(number: int, seed: int) -> CharucoPicture:
         picture = _drawn_once(board, random)
         if picture is not None:
             return picture
-    raise RuntimeError("no picture of a ChArUco board that could be indexed was drawn")  # the ranges forbid it
+    raise RuntimeError(
+        "no picture of a ChArUco board that could be indexed was drawn"
+    )  # the ranges forbid it
 
 
 def _drawn_once(board: CharucoBoard, random: np.random.Generator) -> CharucoPicture | None:

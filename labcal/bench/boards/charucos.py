@@ -66,7 +66,7 @@ class CharucoOutcome:
 
 
 def charuco_findings(bench: Bench) -> Findings:
-    """Return the checks of ChArUco boards over all difficulties, with OpenCV's corners on the same pictures."""
+    """Return the checks of ChArUco boards over all difficulties, with OpenCV's on the same pictures."""
     count = QUICK_PICTURES if bench.quick else PICTURES
     bench.progress.start("charuco", count)
     outcomes = []

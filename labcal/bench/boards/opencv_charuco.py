@@ -14,7 +14,7 @@ _MOST_WINDOW = 11
 
 
 def opencv_charuco_corners(picture: np.ndarray, board: CharucoBoard) -> dict[str, Pixels]:
-    """Return the corners that OpenCV finds, by way, in the order of the board's indices; NaN where it has none.
+    """Return the corners that OpenCV finds, by way, in the order of the board's indices, or NaN.
 
     Markers are refined by OpenCV's own `CORNER_REFINE_SUBPIX`, and corners by the detector's own refinement.
 

@@ -1,7 +1,7 @@
 """The Cramer-Rao bound of a corner on a print whose ink around it is known, as beside the markers of a board.
 
-As :mod:`labcal.bench.boards.corner_bound`, but all that is printed around the corner moves with it and so tells
-of its place: the edges of the squares, and those of markers in them.
+As :mod:`labcal.bench.boards.corner_bound`, but all that is printed around the corner moves with it and so
+tells of its place: the edges of the squares, and those of markers in them.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from labcal.bench.marks.drawn_picture import Print
 
 _REACH_SIGMAS = 4.0
 _REACH = 0.5
-"""Pixels count up to so many squares from the corner, along either edge: beyond, the next corner is nearer."""
+"""Pixels count up to so many squares from the corner, along either edge: beyond, the next one is nearer."""
 
 
 @dataclass(frozen=True)

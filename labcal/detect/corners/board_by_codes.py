@@ -1,4 +1,4 @@
-"""A ChArUco board placed by the lattice of its corners and the likeness of all of its squares to its codes."""
+"""A ChArUco board placed by the lattice of its corners and the likeness of all squares to its codes."""
 
 from dataclasses import dataclass
 
@@ -27,7 +27,7 @@ _RINGS = (1.0, 0.7)
 
 @dataclass(frozen=True)
 class _Place:
-    """A place of a lattice on the board, and how much more its squares are like the codes there than by chance."""
+    """A place of a lattice on the board, and how far its squares are like the codes there, beyond chance."""
 
     turn: int
     shift: Int[np.ndarray, " 2"]
@@ -43,7 +43,8 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
     have on the board, by the colours of its squares, the picture is correlated with the codes that the
     board has there; chance is what codes of the same dictionary in other squares give. That place is taken
     where all squares together are more like their codes than chance would have it once in so many millions
-    of pictures (`code_false_alarms`), not by a single square, and where no line of corners goes on beyond the board.
+    of pictures (`code_false_alarms`), not by a single square, and where no line of corners goes on beyond the
+    board.
 
     Parameters
     ----------
@@ -60,7 +61,10 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
     for level in reduced_pictures(grey, settings):
         for share in _RINGS:
             near = settings.saddle.model_copy(
-                update={"ring_px": share * settings.saddle.ring_px, "blur_px": share * settings.saddle.blur_px}
+                update={
+                    "ring_px": share * settings.saddle.ring_px,
+                    "blur_px": share * settings.saddle.blur_px,
+                }
             )
             saddles = find_saddles(level.grey, near)
             for lattice in find_board_lattices(saddles, max(board.cols, board.rows), NONE, settings):
@@ -162,7 +166,8 @@ def _goes_on(index: np.ndarray, board: CharucoBoard, share: float) -> bool:
             if 0 <= line < count:
                 continue
             beyond, last = (
-                _neighbours(index[index[:, axis] == one, 1 - axis]) for one in (line, 0 if line < 0 else count - 1)
+                _neighbours(index[index[:, axis] == one, 1 - axis])
+                for one in (line, 0 if line < 0 else count - 1)
             )
             if beyond >= share * max(last, 1):
                 return True

@@ -56,13 +56,16 @@ class CodeLikeness:
     def sigmas(
         self, squares: np.ndarray, codes: Float64[np.ndarray, "m cells cells"]
     ) -> Float64[np.ndarray, " m"]:
-        """Return how far some squares are more like given codes than chance has it, each in its deviations."""
+        """Return how far some squares are more like given codes than by chance, each in its deviations."""
         correlation = np.einsum("nij,nij->n", self.cells[squares], codes)
         return np.asarray((correlation - self.mean[squares]) / np.maximum(self.deviation[squares], 1e-12))
 
 
 def seen_cells(
-    grey: GreyPicture, quads: Float64[np.ndarray, "n 4 2"], steps: Float64[np.ndarray, " n"], board: CharucoBoard
+    grey: GreyPicture,
+    quads: Float64[np.ndarray, "n 4 2"],
+    steps: Float64[np.ndarray, " n"],
+    board: CharucoBoard,
 ) -> Float64[np.ndarray, "n cells cells"]:
     """Return the brightness of the cells of markers in squares, by column and row, in steps.
 
@@ -88,19 +91,23 @@ def seen_cells(
                 places = np.stack([x + side * dx, y + side * dy], axis=-1).reshape(-1, 2)
                 xyw = homogeneous(places) @ H.T
                 q = (xyw[:, :2] / xyw[:, 2:]).astype(np.float32)
-                values = cv2.remap(grey, q[:, None, 0], q[:, None, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+                values = cv2.remap(
+                    grey, q[:, None, 0], q[:, None, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+                )
                 cells[n] += values.reshape(count, count) / len(_OFFSETS) ** 2
         cells[n] /= steps[n]
     return cells
 
 
 def board_codes(board: CharucoBoard) -> Float64[np.ndarray, "n cells cells"]:
-    """Return the codes of a board's markers, 1 where white and -1 where black, by column and row from below."""
+    """Return the codes of a board's markers, 1 where white, -1 where black, by column and row from below."""
     return _of_ids(board.dictionary, np.arange(board.first_id, board.first_id + board.marker_count))
 
 
-def turned_codes(codes: Float64[np.ndarray, "n cells cells"], turn: int) -> Float64[np.ndarray, "n cells cells"]:
-    """Return codes as they are seen along the axes of a lattice that a turn, by number, takes to the board."""
+def turned_codes(
+    codes: Float64[np.ndarray, "n cells cells"], turn: int
+) -> Float64[np.ndarray, "n cells cells"]:
+    """Return codes as they are seen along the axes of a lattice that a turn takes to the board."""
     count = codes.shape[1]
     middle = 0.5 * (count - 1)
     at = np.stack(np.meshgrid(np.arange(count), np.arange(count), indexing="ij"), axis=-1) - middle

@@ -128,7 +128,11 @@ def measured_corners(
 
 
 def widened_corners(
-    grey: GreyPicture, board: SquareBoard, corners: Corners, settings: CornerSettings, removed_gap: float | None = None
+    grey: GreyPicture,
+    board: SquareBoard,
+    corners: Corners,
+    settings: CornerSettings,
+    removed_gap: float | None = None,
 ) -> Corners:
     """Return corners with their fits over all of their edges, those that are as good as the others.
 

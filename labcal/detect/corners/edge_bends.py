@@ -5,7 +5,7 @@ import numpy as np
 from labcal.detect.corners.node_grid import ahead, behind, median_around
 
 _NEAR = (1, 2, 3)
-"""Nodes to either side whose curvatures have one median, against the corners' noise: as few as there are any."""
+"""Nodes to either side whose curvatures have one median, against the corners' noise: the fewest."""
 
 
 def edge_bends(places: np.ndarray) -> np.ndarray:

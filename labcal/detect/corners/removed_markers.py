@@ -34,9 +34,9 @@ class _Around:
 def without_markers(grey: GreyPicture, board: CharucoBoard, corners: Corners) -> GreyPicture:
     """Return a picture of the board with plain white squares.
 
-    What the ink of a marker takes from the picture is known: its place by the homography of the corners around
-    it, the blur of their edges, and their step from black to white. It is given back. A fit of a corner can
-    then count with all pixels beside its edges, as on a plain chessboard.
+    What the ink of a marker takes from the picture is known: its place by the homography of the corners
+    around it, the blur of their edges, and their step from black to white. It is given back. A fit of a
+    corner can then count with more pixels beside its edges.
 
     Parameters
     ----------
@@ -104,6 +104,10 @@ def _remove(
     share = soft[border * samples + samples // 2 :: samples, border * samples + samples // 2 :: samples]
     design = np.concatenate([np.ones((len(around.q), 1)), around.q], axis=1)
     plane = np.linalg.lstsq(design, around.step, rcond=None)[0]
-    step = plane[0] + plane[1] * np.arange(low[0], high[0] + 1)[None] + plane[2] * np.arange(low[1], high[1] + 1)[:, None]
+    step = (
+        plane[0]
+        + plane[1] * np.arange(low[0], high[0] + 1)[None]
+        + plane[2] * np.arange(low[1], high[1] + 1)[:, None]
+    )
     here = picture[low[1] : high[1] + 1, low[0] : high[0] + 1]
     here += (step * share[:height, :width]).astype(picture.dtype)

@@ -35,8 +35,8 @@ class CornerSettings(StageSettings):
         1e-7,
         gt=0,
         le=0.01,
-        description="Probability that chance places a board by codes that are not read one by one. Larger: more "
-        "worn and blurred boards are placed, and wrong ones.",
+        description="Probability that chance places a board by codes that are not read one by one. Larger: "
+        "more worn and blurred boards are placed, and wrong ones.",
     )
     min_code_sigmas: float = Field(
         3.0,

@@ -55,7 +55,9 @@ def test_a_board_none_of_whose_markers_opencv_reads_is_placed(turn_deg: float) -
 def test_two_markers_far_from_each_other_place_a_board_by_its_lattice() -> None:
     exposure = view(30.0, 0.7)
     kept = {0, 16}
-    picture = with_worn_codes(drawn(exposure, charuco_ink(BOARD), (), np.random.default_rng(2)), exposure, kept)
+    picture = with_worn_codes(
+        drawn(exposure, charuco_ink(BOARD), (), np.random.default_rng(2)), exposure, kept
+    )
     dots = detect_dots(picture, BOARD)
     assert dots.refusal is None
     off = dots.position[dots.ok] - exposure.seen(BOARD.points(dots.index[dots.ok])[:, :2])
@@ -85,7 +87,10 @@ def test_likeness_to_wrong_codes_is_standard_normal() -> None:
     assert likeness.sigmas(every, codes).min() > 2.5
     other = board_codes(BOARD.model_copy(update={"first_id": 50}))
     wrong = np.concatenate(
-        [likeness.sigmas(every, turned_codes(other[random.permutation(len(other))], turn)) for turn in range(4)]
+        [
+            likeness.sigmas(every, turned_codes(other[random.permutation(len(other))], turn))
+            for turn in range(4)
+        ]
         + [likeness.sigmas(every, np.roll(turned_codes(codes, turn), 1 + turn, axis=0)) for turn in range(4)]
     )
     assert abs(wrong.mean()) < 4.0 / np.sqrt(len(wrong))

@@ -1,4 +1,4 @@
-"""Drawn pictures of ChArUco boards against analytic edges, and their bound against a drawing's derivatives."""
+"""Drawn pictures of ChArUco boards against analytic edges, and their bound against derivatives."""
 
 import numpy as np
 import pytest
@@ -81,7 +81,8 @@ def test_the_bound_is_what_the_derivatives_of_a_drawing_give() -> None:
     for axis in range(2):
         by = step * np.eye(2)[axis]
         up, down = (
-            printed_share(imaged, np.array([*(corner + sign * by), *angles, blur]), (60, 50)) for sign in (1, -1)
+            printed_share(imaged, np.array([*(corner + sign * by), *angles, blur]), (60, 50))
+            for sign in (1, -1)
         )
         slopes.append((INK - PAPER) * (up - down) / (2.0 * step))
     y, x = np.mgrid[:50, :60]
