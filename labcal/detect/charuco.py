@@ -3,11 +3,10 @@
 import numpy as np
 
 from labcal.detect.corners.board_by_codes import corners_by_codes
-from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
+from labcal.detect.corners.corners import Corners, measured_corners
 from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
 from labcal.detect.corners.markers_elsewhere import why_not_in_place
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
-from labcal.detect.corners.removed_markers import without_markers
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
@@ -17,9 +16,6 @@ from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.charuco import CharucoBoard
 from labcal.wording import counted
-
-_ROUNDS = 2
-"""Of fits over all edges: markers are taken out where the corners around say that they are."""
 
 
 def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> PictureDots:
@@ -59,7 +55,6 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
         if len(found.index) == 0:
             return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
     corners = measured_corners(grey, board, found, settings)
-    corners = _widened(grey, board, corners, settings.corner)
     kept = [
         fit is not None or (int(i), int(j)) not in further
         for fit, (i, j) in zip(corners.fits, corners.index, strict=True)
@@ -74,15 +69,6 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     smooth = is_smooth(lattice, corners.seen_at, settings.grid)
     return dots if smooth else dots.refused(Refusal.GRID_INCONSISTENT)
-
-
-def _widened(grey: GreyPicture, board: CharucoBoard, corners: Corners, settings: CornerSettings) -> Corners:
-    """Return corners with fits over all of their edges, in pictures that the markers are taken out of."""
-    unguarded = settings.model_copy(update={"marker_guard_blurs": 0.0})
-    for _ in range(_ROUNDS):
-        plain = without_markers(grey, board, corners)
-        corners = widened_corners(plain, board, corners, unguarded, board.corner_gap)
-    return corners
 
 
 def _read(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings) -> SeenMarkers:

@@ -31,9 +31,6 @@ class Surroundings:
         How far from the corner the pixels reach, in squares.
     bend : ndarray, shape (2,)
         Curvature of either edge towards its normal, 1/px.
-    removed_gap : float, optional
-        The gap to markers that the picture does not show any more: their pixels, darker once, have another
-        noise than white ones, and do not count.
     """
 
     centre: np.ndarray
@@ -44,13 +41,11 @@ class Surroundings:
     clear: float = 1.0
     share: float = 0.45
     bend: np.ndarray = field(default_factory=lambda: np.zeros(2))
-    removed_gap: float | None = None
 
     @property
     def limits(self) -> "WindowLimits":
         """The same for compiled code."""
-        plain = self.gap if self.removed_gap is None else self.removed_gap
-        return WindowLimits(float(self.white), self.gap, plain, self.clear, self.reach, self.share)
+        return WindowLimits(float(self.white), self.gap, self.clear, self.reach, self.share)
 
 
 class WindowLimits(NamedTuple):
@@ -58,7 +53,6 @@ class WindowLimits(NamedTuple):
 
     white: float
     gap: float
-    plain: float
     clear: float
     reach: float
     share: float
@@ -102,7 +96,7 @@ def window_arrays(
             along = (axes[1, 1] * dx - axes[0, 1] * dy) / det
             up = (axes[0, 0] * dy - axes[1, 0] * dx) / det
             nearest, farthest = min(abs(along), abs(up)), max(abs(along), abs(up))
-            marked = along * up * limits.white > 0.0 and nearest > limits.plain - guard
+            marked = along * up * limits.white > 0.0 and nearest > limits.gap - guard
             if marked or nearest > limits.clear - guard or farthest >= limits.share or hypot(dx, dy) >= reach:
                 continue
             mask[j, i] = True

@@ -1,6 +1,6 @@
 """All corners of a chessboard that can be measured, from those that are known roughly."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -128,11 +128,7 @@ def measured_corners(
 
 
 def widened_corners(
-    grey: GreyPicture,
-    board: SquareBoard,
-    corners: Corners,
-    settings: CornerSettings,
-    removed_gap: float | None = None,
+    grey: GreyPicture, board: SquareBoard, corners: Corners, settings: CornerSettings
 ) -> Corners:
     """Return corners with their fits over all of their edges, those that are as good as the others.
 
@@ -144,8 +140,6 @@ def widened_corners(
     corners : Corners
         As of :func:`measured_corners`.
     settings : CornerSettings
-    removed_gap : float, optional
-        White between a corner's edges and markers that are taken out of the picture, in squares.
     """
     nodes = [(int(i), int(j)) for i, j in corners.index]
     fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
@@ -153,7 +147,7 @@ def widened_corners(
         return corners
     search = _Search.of(grey, board, settings)
     around = {
-        node: _without_markers(search.surroundings(node, place, axes), removed_gap)
+        node: search.surroundings(node, place, axes)
         for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
     }
     wider = wider_fits(grey, fits, around, settings)
@@ -163,11 +157,6 @@ def widened_corners(
         place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
     ]
     return Corners(corners.index, np.array(seen_at), found)
-
-
-def _without_markers(around: Surroundings, removed_gap: float | None) -> Surroundings:
-    """Return surroundings whose markers, at a gap, are taken out; as they are where there are none."""
-    return around if removed_gap is None else replace(around, gap=1.0, removed_gap=removed_gap)
 
 
 def _as_outlines(places: list[np.ndarray]) -> Outlines:

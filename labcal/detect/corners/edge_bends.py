@@ -4,8 +4,8 @@ import numpy as np
 
 from labcal.detect.corners.node_grid import ahead, behind, median_around
 
-_NEAR = (1, 2, 3)
-"""Nodes to either side whose curvatures have one median, against the corners' noise: the fewest."""
+_NEAR = 1
+"""Nodes to either side whose curvatures have one median, against the corners' noise."""
 
 
 def edge_bends(places: np.ndarray) -> np.ndarray:
@@ -13,22 +13,14 @@ def edge_bends(places: np.ndarray) -> np.ndarray:
 
     Three corners of a line determine how it bends at the middle one: the second divided difference of their
     places by the distance along the line, of which only the part across the line is taken. Corners at the end
-    of a line have the curvature of those near them; it is NaN where there is none.
+    of a line have the curvature of those beside them; it is NaN where there is none.
 
     Parameters
     ----------
     places : ndarray, shape (a, b, 2)
         Measured corners, px, by column and row; NaN where there is none.
     """
-    return np.stack([_median_near(_bends(places, axis)) for axis in (0, 1)], axis=2)
-
-
-def _median_near(bends: np.ndarray) -> np.ndarray:
-    """Return medians of the nearest curvatures that are known, NaN where there are none near by."""
-    found = np.full_like(bends, np.nan)
-    for reach in _NEAR:
-        found = np.where(np.isnan(found), median_around(bends, reach), found)
-    return found
+    return np.stack([median_around(_bends(places, axis), _NEAR) for axis in (0, 1)], axis=2)
 
 
 def _bends(places: np.ndarray, axis: int) -> np.ndarray:

@@ -12,11 +12,9 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
 
-_LIGHT_NODES = (1, 2, 3)
-"""Nodes to either side whose white levels tell the slope of the light: as few as are enough."""
+_LIGHT_NODES = 1
+"""Nodes to either side whose white levels tell the slope of the light."""
 _FEWEST = 5
-_DARKEST = 1e-3
-"""Of white, grey values."""
 _ROUGH_NODES = 2
 """Nodes to either side whose residuals are the usual ones."""
 
@@ -79,9 +77,7 @@ def wider_fits(
     grid, places = NodeGrid.of(list(wide)), np.array([one.centre for one in wide.values()])
     states = np.array([one.state for one in wide.values()])
     bends = _across(edge_bends(grid.spread(places))[grid.at], states)
-    slopes = np.full((len(places), 2), np.nan)
-    for reach in _LIGHT_NODES:
-        slopes = np.where(np.isnan(slopes), _slopes(grid, places, wide, reach), slopes)
+    slopes = _slopes(grid, places, wide)
     for k, (node, one) in enumerate(wide.items()):
         if np.isnan(bends[k]).any() or np.isnan(slopes[k]).any():
             final[node] = fits[node]
@@ -111,15 +107,13 @@ def _clear(wide: dict[Node, SettledCorner], factor: float) -> dict[Node, Settled
     return {node: wide[node] for node, ok in zip(wide, roughness <= factor * usual, strict=True) if ok}
 
 
-def _slopes(grid: NodeGrid, places: np.ndarray, fits: dict[Node, SettledCorner], reach: int) -> np.ndarray:
+def _slopes(grid: NodeGrid, places: np.ndarray, fits: dict[Node, SettledCorner]) -> np.ndarray:
     """Return the slope of the light at corners, 1/px, shape (n, 2): that of the white level around each.
 
-    It is the slope of the level's logarithm, by which light far from even falls in a straight line: a corner
-    at the rim of the board has the others on one side only. NaN where there are too few fits around; as many
-    as are enough are never on one line.
+    NaN where there are too few fits around; as many as are enough are never on one line.
     """
-    white = np.log([max(fit.state[6] + fit.state[7], _DARKEST) for fit in fits.values()])
-    near = around(grid.spread(np.concatenate([places, white[:, None]], axis=1)), reach)
+    white = np.array([fit.state[6] + fit.state[7] for fit in fits.values()])
+    near = around(grid.spread(np.concatenate([places, white[:, None]], axis=1)), _LIGHT_NODES)
     near = near[:, *grid.at]
     known = np.isfinite(near[..., 2])
     away = np.where(known[..., None], near[..., :2] - places, 0.0)
@@ -129,7 +123,8 @@ def _slopes(grid: NodeGrid, places: np.ndarray, fits: dict[Node, SettledCorner],
     enough = known.sum(axis=0) >= _FEWEST
     slopes = np.full((len(places), 2), np.nan)
     if enough.any():
-        slopes[enough] = np.linalg.solve(normal[enough], right[enough][..., None])[:, 1:, 0]
+        levels = np.linalg.solve(normal[enough], right[enough][..., None])[..., 0]
+        slopes[enough] = levels[:, 1:] / levels[:, :1]
     return slopes
 
 
