@@ -42,17 +42,22 @@ def test_the_drawing_of_an_edge_is_the_blurred_step(turn_deg: float) -> None:
 
 @pytest.mark.parametrize("board", [COARSE, FINE], ids=lambda one: one.name)
 def test_the_ink_of_a_board_is_that_of_its_squares_and_markers(board) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001 - a target
-    ink = charuco_ink(board)
+    step = 0.02  # samples are small beside cells
+    x, y = np.meshgrid(*(step * (np.arange(round(n / step)) + 0.5) - 1.0 for n in board.squares))
+    is_ink = charuco_ink(board)(x, y) > 0.5
+
+    def at(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        col, row = (np.floor((place + 1.0) / step).astype(int) for place in (x, y))
+        return np.asarray(is_ink[row, col])
+
     i, j = np.indices(board.squares)
-    near = 0.05  # from the lower left corner of each square: white paper where there is a marker
-    x, y = i - 1.0 + near, j - 1.0 + near
-    assert np.array_equal(ink(x, y) > 0.5, board.is_black(i, j))
+    # Near the lower left corner of a square there is white paper where there is a marker.
+    assert np.array_equal(at(i - 0.95, j - 0.95), board.is_black(i, j))
     printed = markers(board)
     cells = printed.is_black.shape[1]
     a, b = (np.indices((cells, cells)) + 0.5) * board.marker_mm / cells
     for corner, black in list(zip(printed.corner, printed.is_black, strict=True))[::7]:
-        seen = ink(corner[0] + a, corner[1] + b)
-        assert np.array_equal(seen > 0.5, black[::-1].T)
+        assert np.array_equal(at(corner[0] + a, corner[1] + b), black[::-1].T)
 
 
 def test_the_bound_of_a_print_without_markers_is_that_of_a_chessboard() -> None:
