@@ -48,7 +48,7 @@ def test_a_board_none_of_whose_markers_opencv_reads_is_placed(turn_deg: float) -
     dots = detect_dots(picture, BOARD)
     assert dots.refusal is None
     off = dots.position[dots.ok] - exposure.seen(BOARD.points(dots.index[dots.ok])[:, :2])
-    assert dots.ok.sum() >= 22
+    assert len(dots.index) == BOARD.count  # all are placed; some are too blurred to be measured
     assert np.abs(off).max() < 0.4
 
 
