@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from labcal.detect.corners.board_by_codes import corners_by_codes
 from labcal.detect.corners.corners import Corners, measured_corners
 from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
 from labcal.detect.corners.markers_elsewhere import why_not_in_place
@@ -42,13 +43,18 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     """
     seen = _read(grey, board, settings.corner)
     placed = markers_in_place(seen, board, settings.corner)
-    if len(placed.number) == 0:
+    further: set[tuple[int, int]] = set()
+    if len(placed.number):
+        rough = corners_beside(placed, board)
+        found = Corners(rough.index, rough.q, [None] * len(rough.index), rough.axes)
+        further = {(int(i), int(j)) for i, j in rough.index[~rough.beside]}
+    else:
         refusal, detail = why_not_in_place(seen, board, settings.corner)
-        return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
-    rough = corners_beside(placed, board)
-    found = Corners(rough.index, rough.q, [None] * len(rough.index), rough.axes)
+        unread = refusal in (Refusal.NO_MARKERS, Refusal.MARKERS_UNREADABLE)
+        found = corners_by_codes(grey, board, settings) if unread else Corners.none()
+        if len(found.index) == 0:
+            return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
     corners = measured_corners(grey, board, found, settings)
-    further = {(int(i), int(j)) for i, j in rough.index[~rough.beside]}
     kept = [
         fit is not None or (int(i), int(j)) not in further
         for fit, (i, j) in zip(corners.fits, corners.index, strict=True)

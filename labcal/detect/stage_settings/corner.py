@@ -31,6 +31,26 @@ class CornerSettings(StageSettings):
         description="Number of markers that do not agree with the board that prove another one. Larger: "
         "'other-board' is rarer.",
     )
+    code_false_alarms: float = Field(
+        1e-7,
+        gt=0,
+        le=0.01,
+        description="Probability that chance places a board by codes that are not read one by one. Larger: "
+        "more worn and blurred boards are placed, and wrong ones.",
+    )
+    min_code_sigmas: float = Field(
+        3.0,
+        ge=1,
+        le=100,
+        description="Deviations by which codes must speak for a place without the clearest one, and against "
+        "any other place. Larger: more refusals.",
+    )
+    min_code_squares: int = Field(
+        2,
+        ge=2,
+        le=1000,
+        description="Fewest whole squares with codes that place a board. Larger: more refusals.",
+    )
     max_marker_residual_squares: float = Field(
         0.25,
         gt=0,
