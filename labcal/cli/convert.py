@@ -4,6 +4,7 @@ from argparse import Action, ArgumentParser, ArgumentTypeError, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from labcal.cli.options import OnceAction
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -76,7 +77,9 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--only", type=_names, default=(), metavar="CAMERA,...", help="only these cameras, in this order"
     )
-    parser.add_argument("--target", metavar="NAME", help="for corners.vnl: what the pictures show")
+    parser.add_argument(
+        "--target", metavar="NAME", action=OnceAction, help="for corners.vnl: what the pictures show"
+    )
     parser.add_argument(
         "--cameras",
         metavar="NAMES",

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from labcal.cli.holdout import add_holdout, refuse_without_holdout, run_held_out
-from labcal.cli.options import add_page, refuse_option
+from labcal.cli.options import OnceAction, add_page, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -26,7 +26,9 @@ def add_parser(commands: CommandGroup) -> None:
         help="from 'labcal reconstruct'; with --holdout a table of dots, or a SHOOT",
     )
     parser.add_argument("shoot", nargs="?", type=Path, metavar="SHOOT", help="left out for loose photographs")
-    parser.add_argument("--target", metavar="NAME", help="the target of loose photographs, for its lengths")
+    parser.add_argument(
+        "--target", metavar="NAME", action=OnceAction, help="the target of loose photographs, for its lengths"
+    )
     parser.add_argument(
         "--dots",
         type=Path,

@@ -8,6 +8,7 @@ from labcal.calibrate.lens_candidates import AUTO
 from labcal.cli.dot_places import add_dot_places, dot_treatment
 from labcal.cli.methods import named_estimators
 from labcal.cli.options import (
+    OnceAction,
     add_detector_settings,
     add_hold_out,
     add_output,
@@ -69,7 +70,10 @@ def add_parser(commands: CommandGroup) -> None:
         f"(default {AUTO}: the simplest one that predicts held-out dots and views as well as the best)",
     )
     parser.add_argument(
-        "--target", metavar="NAME", help="the target of a table of dots; a shoot brings its own"
+        "--target",
+        metavar="NAME",
+        action=OnceAction,
+        help="the target of a table of dots; a shoot brings its own",
     )
     add_dot_places(parser, " (of a hand-held target)")
     parser.add_argument(

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from labcal.cli.marks import add_marks, refuse_marks, write_marks
 from labcal.cli.named_points import add_budget, add_displacements, add_named_points, write_named
-from labcal.cli.options import add_output
+from labcal.cli.options import OnceAction, add_output
 from labcal.cli.parser import CommandGroup
 from labcal.cli.ply import add_ply
 from labcal.cli.session import Session
@@ -40,6 +40,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--target",
         metavar="NAME",
+        action=OnceAction,
         help="the target that lies in the frame, of --frame board:detections.csv (default: that of the "
         "rig's calibration)",
     )

@@ -58,3 +58,12 @@ def test_an_option_is_no_value_of_the_one_before() -> None:
     words = ["detect", "a", "--cameras", "--target", "t", "-o", "d.csv"]
     with pytest.raises(UsageError, match="Argument --cameras: expected one argument"):
         build_parser("detect").parse_args(words)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["fit"], ["reconstruct"], ["evaluate"], ["capture"], ["convert"], ["measure"], ["diagnose"], ["twin"]],
+)
+def test_a_command_of_one_target_refuses_a_second_one(words: list[str]) -> None:
+    with pytest.raises(UsageError, match="--target is given twice"):
+        build_parser().parse_args([*words, "x", "y", "--target", "a", "--target", "b"])
