@@ -61,9 +61,8 @@ def test_an_option_is_no_value_of_the_one_before() -> None:
 
 
 @pytest.mark.parametrize(
-    "words",
-    [["fit"], ["reconstruct"], ["evaluate"], ["capture"], ["convert"], ["measure"], ["diagnose"], ["twin"]],
+    "verb", ["fit", "reconstruct", "evaluate", "capture", "convert", "measure", "diagnose", "twin"]
 )
-def test_a_command_of_one_target_refuses_a_second_one(words: list[str]) -> None:
+def test_a_command_of_one_target_refuses_a_second_one(verb: str) -> None:
     with pytest.raises(UsageError, match="--target is given twice"):
-        build_parser().parse_args([*words, "x", "y", "--target", "a", "--target", "b"])
+        build_parser(verb).parse_args([verb, "x", "y", "--target", "a", "--target", "b"])
