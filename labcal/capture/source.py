@@ -83,7 +83,7 @@ class FrameSet:
     refusals: tuple[str, ...] = ()
     """Reasons why these pictures may not enter a shoot, each naming its device; empty for good ones."""
     target: AnyTarget | None = None
-    """Target of the shoot that these pictures entered; None where nobody named it and no code told it yet."""
+    """Target of the shoot that these pictures entered; None where it is not known yet."""
 
     @property
     def skew_s(self) -> float | None:

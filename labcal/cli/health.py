@@ -34,6 +34,7 @@ _PACKAGES = {
     "rich": "the terminal",
     "lazy-loader": "imports",
     "numba": "detection",
+    "llvmlite": "detection",
     "pillow": "pictures",
     "threadpoolctl": "one thread for each case",
     "mitsuba": "rendering",

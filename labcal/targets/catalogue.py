@@ -76,7 +76,7 @@ def target_of(given: AnyTargets) -> AnyTarget:
         return given
     if isinstance(given, str | PathLike):
         return load_target(given)
-    if isinstance(given, list | tuple):
+    if isinstance(given, list | tuple) and given:
         return _boards(given)
     raise InputTypeError(
         f"A target is an object, a name or the path of a YAML file, but {shown(given)} of type "
@@ -90,7 +90,7 @@ def _boards(given: Sequence[AnyTarget | AnyPath]) -> AnyTarget:
     if len(boards) == 1:
         return boards[0]
     name = "-".join(board.name for board in boards)
-    content = {"kind": BOARDS, "name": name or "none", "targets": tuple(boards)}
+    content = {"kind": BOARDS, "name": name, "targets": tuple(boards)}
     return validated_target(kind_by_name(BOARDS), name, content)
 
 

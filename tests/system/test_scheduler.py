@@ -28,7 +28,7 @@ NOBODY = "tcp://127.0.0.1:9"  # "discard", which nobody serves
         (
             ("bench", "solve", "--only", "training,real", "--scheduler", "local"),
             2,
-            "for the groups certify, check",
+            "for the groups boards, certify, check",
         ),
         (("bench", "solve", "--scheduler", "somewhere"), 2, "'somewhere' is no address of a Dask scheduler"),
     ],

@@ -41,7 +41,7 @@ class CharucoPicture:
     corner : ndarray, shape (n, 2)
         Images of all corners, in the order of the board's indices, px.
     visible : ndarray of bool, shape (n,)
-        Whether a corner can be measured: within the frame, nothing over it or the edges that meet there.
+        True if a corner can be measured: within the frame, nothing over it or the edges that meet there.
     """
 
     picture: np.ndarray
@@ -52,7 +52,7 @@ class CharucoPicture:
 
     @property
     def countable(self) -> bool:
-        """Whether the picture should be indexed: half of the corners are in sight."""
+        """True if half of the corners are in sight, so that the picture should be indexed."""
         return bool(self.visible.mean() >= IN_SIGHT)
 
     def axes(self, number: int) -> np.ndarray:

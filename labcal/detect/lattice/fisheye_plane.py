@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64
-from scipy.optimize import minimize_scalar
 
 from labcal.arrays import Pixels
 
@@ -76,6 +75,8 @@ def fitted_fisheye_plane(
     FisheyePlane or None
         None where a node would lie behind the camera.
     """
+    from scipy.optimize import minimize_scalar  # noqa: PLC0415 -- takes half a second to import
+
     centre, diagonal = (np.array(size, dtype=np.float64) - 1.0) / 2.0, float(np.hypot(*size))
 
     def misfit(field: float) -> float:

@@ -11,11 +11,12 @@ def test_list_names_every_target(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["target", "list", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert [entry["name"] for entry in told["targets"]] == target_names()
-    assert told["kinds"] == ["dots", "charuco", "coded-dots", "chessboard", "aprilgrid"]
+    assert told["kinds"] == ["dots", "charuco", "coded-dots", "chessboard", "aprilgrid", "boards"]
     assert main(["target", "list"]) == 0
     table = capsys.readouterr().out
     assert all(
-        name in table for name in (*target_names(), "dots, charuco, coded-dots, chessboard, aprilgrid")
+        name in table
+        for name in (*target_names(), "dots, charuco, coded-dots, chessboard, aprilgrid, boards")
     )
 
 
