@@ -18,6 +18,7 @@ from labcal.detect.lattice.missed import with_missed
 from labcal.detect.lattice.plain import continues_beyond_grid, with_symmetric_numberings
 from labcal.detect.lattice.plain_part import plain_part
 from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.light_fall import in_falling_light
 from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines, clear_reach
 from labcal.detect.quality import FlaggedDot, flag_dots
@@ -132,7 +133,7 @@ def _detect(
     holes = np.where(ring, target.hole_share, 0.0)
     reach = clear_reach(target, settings.segmentation)
     fits = fit_edges(grey, outlines.select(np.array(spots)), holes, reach, black, settings.edge)
-    dots = flag_dots(fits, predictor, numbering, target, settings)
+    dots = flag_dots(in_falling_light(fits), predictor, numbering, target, settings)
     dots += [FlaggedDot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in unmeasured]
     unnamed = _unnamed(outlines.joined(candidates.cut), set(spots))
     typical = median_of(outlines.radius[spots])
@@ -155,7 +156,7 @@ def _part(
     spots, reach = np.array(list(lattice.spots.values())), clear_reach(target, settings.segmentation)
     fits = fit_edges(grey, outlines.select(spots), np.zeros(len(spots)), reach, black, settings.edge)
     predictor = Predictor(lattice, outlines, settings.grid)
-    dots = flag_dots(fits, predictor, numberings[0], target, settings)
+    dots = flag_dots(in_falling_light(fits), predictor, numberings[0], target, settings)
     found = _collect(dots, (grey.shape[1], grey.shape[0]), polarity, None)
     node_of = {numberings[0].index(node): node for node in lattice.spots}
     nodes = [node_of[int(col), int(row)] for col, row in found.index]

@@ -8,8 +8,9 @@ from jaxtyping import Bool
 
 from labcal.detect.edge_fit import fit_edges
 from labcal.detect.grey import GreyPicture
+from labcal.detect.light_fall import lit_centres
 from labcal.detect.marks.ring_samples import PER_SECTOR, displaced
-from labcal.detect.marks.round_dots import lit_centres, sharp_shapes, surrounded_reach
+from labcal.detect.marks.round_dots import sharp_shapes, surrounded_reach
 from labcal.detect.outlines.outlines import Outlines, matrix_root
 from labcal.detect.settings import DetectSettings
 from labcal.geometry.two_by_two import eigenvalues

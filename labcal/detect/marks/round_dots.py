@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from labcal.arrays import PixelCovariances, Pixels
+from labcal.arrays import PixelCovariances
 from labcal.detect.checks.usual_light import misfits
 from labcal.detect.edge_fit import EdgeFits, fit_edges
 from labcal.detect.grey import GreyPicture, is_flat
+from labcal.detect.light_fall import lit_centres
 from labcal.detect.marks.picture_marks import MarkFlag, SeenMark
 from labcal.detect.outlines.blobs import blobs_of, joined, pyramid
 from labcal.detect.outlines.outlines import Outlines, clear_reach, inside_frame, trace_outlines
@@ -110,21 +111,6 @@ def measured_spots(
         else:
             marks.append(SeenMark(name, flag, spots.centre[number], spots.shape[number]))
     return marks
-
-
-def lit_centres(fits: EdgeFits) -> Pixels:
-    """Return the centres of fits without what blur and a slope of the light together move them by.
-
-    Parameters
-    ----------
-    fits : EdgeFits
-
-    Notes
-    -----
-    Blur acts on what is seen, light times print. A step whose height grows by a share g a px is blurred to a
-    step that stands by g times the variance of the blur further towards the dark, all around the dot.
-    """
-    return np.asarray(fits.centre + (fits.blur**2)[:, None] * fits.light_slope)
 
 
 def sharp_shapes(fits: EdgeFits) -> PixelCovariances:
