@@ -7,9 +7,6 @@ import numpy as np
 from labcal.detect.compiled import compiled
 from labcal.detect.edges.edge_limits import EdgeLimits
 
-_SURELY_PX = 1.0
-"""Rounding moves no pixel so far."""
-
 
 @compiled
 def pixels_around(
@@ -46,44 +43,29 @@ def pixels_around(
     count, after = 0, box
     for y in range(top, bottom + 1):
         dy = y - state[1]
-        # Along a row rho squared is xx (x - middle)^2 + rest.
-        middle, rest = state[0] - left - xy * dy / xx, determinant / xx * dy * dy
-        parts = _columns(middle, (least - rest) / xx, (most - rest) / xx, right - left + 1)
-        for first, last in parts:
-            for column in range(first, last):
-                dx = left + column - state[0]
-                u, v = a * dx + b * dy, b * dx + c * dy
-                rho2 = u * u + v * v
-                gx, gy = a * u + b * v, b * u + c * v
-                # |distance| < width, without the roots of first order's (rho - 1) rho / |g|.
-                near = (sqrt(rho2) - 1.0) ** 2 * rho2 < width * width * (gx * gx + gy * gy)
-                used = (rho2 >= least) & (rho2 <= most)
-                edge = used & (edge_least < rho2) & (rho2 < edge_most) & near
-                of_edge[column] = edge
-                of_flat[column] = used & ~edge & (flat_least <= rho2) & (rho2 <= flat_most)
-            # A used pixel is written to both ends, and stays where it belongs: that takes no branch.
-            for column in range(first, last):
-                if of_edge[column] + of_flat[column] == 0:
-                    continue
-                x = left + column
-                pixels[0, count], pixels[1, count], pixels[2, count] = x, y, grey[y, x]
-                count += of_edge[column]
-                pixels[0, after - 1], pixels[1, after - 1], pixels[2, after - 1] = x, y, grey[y, x]
-                after -= of_flat[column]
+        for column in range(right - left + 1):
+            dx = left + column - state[0]
+            u, v = a * dx + b * dy, b * dx + c * dy
+            rho2 = u * u + v * v
+            gx, gy = a * u + b * v, b * u + c * v
+            # |distance| < width, without the roots of first order's (rho - 1) rho / |g|.
+            near = (sqrt(rho2) - 1.0) ** 2 * rho2 < width * width * (gx * gx + gy * gy)
+            used = (rho2 >= least) & (rho2 <= most)
+            edge = used & (edge_least < rho2) & (rho2 < edge_most) & near
+            of_edge[column] = edge
+            of_flat[column] = used & ~edge & (flat_least <= rho2) & (rho2 <= flat_most)
+        # A used pixel is written to both ends, and stays where it belongs: that takes no branch.
+        for column in range(right - left + 1):
+            if of_edge[column] + of_flat[column] == 0:
+                continue
+            x = left + column
+            pixels[0, count], pixels[1, count], pixels[2, count] = x, y, grey[y, x]
+            count += of_edge[column]
+            pixels[0, after - 1], pixels[1, after - 1], pixels[2, after - 1] = x, y, grey[y, x]
+            after -= of_flat[column]
     band = np.empty((3, count + box - after))
     band[:, :count], band[:, count:] = pixels[:, :count], pixels[:, after:]
     return band, count
-
-
-@compiled
-def _columns(middle: float, least: float, most: float, count: int) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Return two ranges of `count` columns that hold all whose squared distance from `middle` has bounds."""
-    half, gap = sqrt(max(most, 0.0)) + _SURELY_PX, sqrt(max(least, 0.0)) - _SURELY_PX
-    begin, end = max(int(middle - half), 0), min(int(middle + half) + 1, count)
-    if gap <= 0.0:
-        return (begin, end), (end, end)
-    skip = min(max(int(middle - gap) + 1, begin), end)
-    return (begin, skip), (min(max(int(middle + gap), skip), end), end)
 
 
 @compiled

@@ -61,7 +61,7 @@ def _write_tests(
         count = min(CHUNK, pixels.shape[1] - first)
         copy_columns(pixels, first, planes, (0, count))
         copy_columns(weights, first, planes[2:], (0, count))
-        for k in range(count):
+        for k in range(CHUNK):
             dx, dy = chunk[k] - state[0], chunk[CHUNK + k] - state[1]
             wx, wy = chunk[2 * CHUNK + k], chunk[3 * CHUNK + k]
             u, v = a * dx + b * dy, b * dx + c * dy
@@ -75,8 +75,8 @@ def _write_tests(
             further = numbers[j] - (numbers[j - 1] if j > 0 else 0)
             if further != apart:
                 apart = further
-                _power(turn, (apart, count), step, spare)
-            _multiply(last, step, wave, count)
+                _power(turn, apart, step, spare)
+            _multiply(last, step, wave)
             cosine_row, sine_row = tests[2 * j], tests[2 * j + 1]
             for k in range(count):
                 cosine_row[first + k], sine_row[first + k] = wave[k], wave[CHUNK + k]
@@ -84,12 +84,8 @@ def _write_tests(
 
 
 @compiled
-def _power(turn: np.ndarray, wanted: tuple[int, int], result: np.ndarray, spare: np.ndarray) -> None:
-    """Write powers of the first numbers of a chunk of complex ones; `spare` is overwritten.
-
-    Wanted are the exponent, at least 1, and the count of the numbers.
-    """
-    exponent, count = wanted
+def _power(turn: np.ndarray, exponent: int, result: np.ndarray, spare: np.ndarray) -> None:
+    """Write powers of a chunk of complex numbers, with an exponent of at least 1; `spare` is overwritten."""
     result[:] = turn
     bit = 1
     while 2 * bit <= exponent:
@@ -97,15 +93,15 @@ def _power(turn: np.ndarray, wanted: tuple[int, int], result: np.ndarray, spare:
     while bit > 1:
         bit //= 2
         spare[:] = result
-        _multiply(spare, spare, result, count)
+        _multiply(spare, spare, result)
         if exponent & bit:
             spare[:] = result
-            _multiply(spare, turn, result, count)
+            _multiply(spare, turn, result)
 
 
 @compiled
-def _multiply(one: np.ndarray, other: np.ndarray, result: np.ndarray, count: int) -> None:
-    """Write the products of the first numbers of two chunks of complex ones."""
-    for k in range(count):
+def _multiply(one: np.ndarray, other: np.ndarray, result: np.ndarray) -> None:
+    """Write the products of two chunks of complex numbers."""
+    for k in range(CHUNK):
         a, b, c, d = one[k], one[CHUNK + k], other[k], other[CHUNK + k]
         result[k], result[CHUNK + k] = a * c - b * d, a * d + b * c
