@@ -36,7 +36,13 @@ def test_moments_are_those_of_opencv_whatever_the_turn_of_the_contour() -> None:
     )
     central = np.array([moments["mu20"], moments["mu11"], moments["mu02"]])
     np.testing.assert_allclose(first[SHAPE], 4 * central / moments["m00"], rtol=1e-9)
-    assert first[SCATTER] > 0.1
+
+
+def test_a_square_is_no_ellipse() -> None:
+    mask = np.zeros((80, 80), np.uint8)
+    mask[20:61, 20:61] = 1
+    (contour,), _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    assert _table(contour.reshape(-1, 2))[0][SCATTER] > 0.1
 
 
 def test_a_line_and_a_point_enclose_nothing() -> None:
