@@ -2,7 +2,9 @@
 
 import hashlib
 import inspect
+import re
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import TypeVar, cast
 
@@ -12,16 +14,34 @@ from numba.core.dispatcher import Dispatcher
 Function = TypeVar("Function", bound=Callable[..., object])
 
 
-def _digest_of(folder: Path) -> str:
-    """Return a digest that changes with any source in a folder or in the folders in it."""
+_ROOT = Path(__file__).parents[2]
+"""The folder that the package lies in."""
+_IMPORT = re.compile(r"^(?:from|import) (labcal[\w.]*)", re.MULTILINE)
+
+
+def _digest_of(path: Path, root: Path = _ROOT) -> str:
+    """Return a digest that changes with a source, and with those that it imports, directly or not.
+
+    Of the sources, only those of the package count that lies in `root`. Of a folder they count all.
+    """
+    found, waiting = {path.resolve()}, [path.resolve()]
+    while waiting:
+        for module in _imported_by(waiting.pop()):
+            place = root.resolve().joinpath(*module.split("."))
+            paths = place.rglob("*.py") if place.is_dir() else [place.with_suffix(".py")]
+            new = set(paths) - found
+            found |= new
+            waiting += new
     digest = hashlib.sha256()
-    for path in sorted(folder.rglob("*.py")):
-        digest.update(path.read_bytes())
+    for source in sorted(found):
+        digest.update(source.read_bytes())
     return digest.hexdigest()[:12]
 
 
-_SOURCES = _digest_of(Path(__file__).parent)
-"""Of this package, where all that is compiled lies."""
+@cache
+def _imported_by(path: Path) -> tuple[str, ...]:
+    """Return the modules of this package that a source imports as it begins."""
+    return tuple(_IMPORT.findall(path.read_text(encoding="utf-8")))
 
 
 def compiled(function: Function) -> Function:
@@ -29,7 +49,7 @@ def compiled(function: Function) -> Function:
 
     The code is kept on disk, beside the package or in the user's cache folder, so that this is waited for
     once. Numba sees a change of the function's own file only, but functions call those of other files: the
-    name under which the code is kept holds a digest of all of them.
+    name under which the code is kept holds a digest of its file and of all that this one imports.
     Sums are taken in the order in which they are written, so that the same input gives the same bytes.
 
     Parameters
@@ -39,7 +59,7 @@ def compiled(function: Function) -> Function:
         the function that calls it.
     """
     plain = inspect.unwrap(function)
-    plain.__qualname__ = f"{plain.__name__}-{_SOURCES}"
+    plain.__qualname__ = f"{plain.__name__}-{_digest_of(Path(plain.__code__.co_filename))}"
     try:
         return cast("Function", _compiler(keep=True)(plain))
     except RuntimeError:  # no folder to keep it in can be written to
@@ -49,7 +69,7 @@ def compiled(function: Function) -> Function:
 def is_kept(function: Callable[..., object]) -> bool:
     """Return whether machine code of a compiled function, of these sources, is on disk: nobody waits then."""
     folder = Path(cast("Dispatcher", function).stats.cache_path or "")
-    return any(folder.glob(f"*{function.__name__}-{_SOURCES}-*.nbc"))
+    return any(folder.glob(f"*{function.__qualname__}-*.nbc"))
 
 
 def _compiler(*, keep: bool) -> Callable[[Callable[..., object]], object]:

@@ -113,7 +113,8 @@ def _detect(
         return replace(_collect(every, size, polarity, refusal), detail=detail, part=part)
     numbering = grid.numbering
     lattice, outlines = with_missed(grey, grid.lattice, numbering, candidates.whole, target, settings)
-    predictor = Predictor(lattice, outlines, settings.grid)
+    same = lattice is grid.lattice
+    predictor = grid.predictor if same else Predictor(lattice, outlines, settings.grid)
     unmeasured = unmeasured_dots(
         predictor,
         candidates.blobs,

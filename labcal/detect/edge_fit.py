@@ -24,9 +24,9 @@ from labcal.detect.edges.residuals import (
     ResidualLimits,
 )
 from labcal.detect.grey import GreyPicture, clipping
-from labcal.detect.outlines.outlines import Outlines, matrix_root
+from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.edge import EdgeSettings
-from labcal.geometry.two_by_two import inverses
+from labcal.geometry.two_by_two import inverses, matrix_roots
 
 _DEFAULTS = EdgeSettings()
 
@@ -112,7 +112,7 @@ def fit_edges(
     settings : EdgeSettings
     """
     count = len(spots.centre)
-    flatten = inverses(matrix_root(spots.shape))
+    flatten = inverses(matrix_roots(spots.shape))
     table = np.zeros((count, COLUMNS))
     table[:, :2] = spots.centre
     table[:, 2], table[:, 3], table[:, 4] = flatten[:, 0, 0], flatten[:, 0, 1], flatten[:, 1, 1]
@@ -132,7 +132,7 @@ def fit_edges(
     F = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
     covariance = light.covariances(table, noise.factor)
     if noise.factor != 1.0:
-        root = matrix_root(noise.by_direction[None])
+        root = matrix_roots(noise.by_direction[None])
         covariance = root @ covariance @ root
         covariance[:, 1, 0] = covariance[:, 0, 1]  # but for the last bit they are the same
     in_steps = table[:, 5] <= settings.min_blur_px  # the outline runs from pixel to pixel

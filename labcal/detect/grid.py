@@ -7,6 +7,7 @@ from labcal.detect.lattice.dot_shapes import without_deviating_shapes
 from labcal.detect.lattice.lattice import Lattice, find_lattices
 from labcal.detect.lattice.marks_beside import without_marks_beside
 from labcal.detect.lattice.numbering import AnyNumbering, number_lattice, numbering_refusal
+from labcal.detect.lattice.prediction import Predictor
 from labcal.detect.lattice.rough_undistortion import NONE, RoughUndistortion, fisheyes
 from labcal.detect.lattice.smoothness import is_smooth, is_smooth_through_fisheye
 from labcal.detect.outlines.outlines import Outlines
@@ -18,8 +19,14 @@ from labcal.targets.grid import DotGrid
 class Grid:
     """A lattice whose nodes are numbered; its spots refer to the outlines that it was found among."""
 
-    lattice: Lattice
+    predictor: Predictor
+    """Of the lattice."""
     numbering: AnyNumbering
+
+    @property
+    def lattice(self) -> Lattice:
+        """The lattice."""
+        return self.predictor.lattice
 
     @property
     def spots(self) -> list[int]:
@@ -79,15 +86,19 @@ def _find_through(
     if len(seen.centre) < settings.min_dots:
         return Refusal.TOO_FEW_DOTS
     found = find_lattices(seen, target, lens, settings)
-    lattices = [without_deviating_shapes(lattice, seen, target, settings) for lattice in found]
+    predictors = [without_deviating_shapes(lattice, seen, target, settings) for lattice in found]
     if target.rings is None:
-        lattices = [without_marks_beside(lattice, seen, target, settings) for lattice in lattices]
+        predictors = [_without_marks(predictor, target, settings) for predictor in predictors]
     outlines = lens.outlines(seen)
-    if not lattices:
+    if not predictors:
         return Refusal.NO_GRID
-    outcomes = [(lattice, number_lattice(lattice, outlines, target, settings)) for lattice in lattices]
-    named = [Grid(lattice, outcome) for lattice, outcome in outcomes if not isinstance(outcome, Refusal)]
-    refusal = numbering_refusal([outcome for _, outcome in outcomes], target)
+    outcomes = [number_lattice(predictor.lattice, outlines, target, settings) for predictor in predictors]
+    named = [
+        Grid(predictor, outcome)
+        for predictor, outcome in zip(predictors, outcomes, strict=True)
+        if not isinstance(outcome, Refusal)
+    ]
+    refusal = numbering_refusal(outcomes, target)
     if refusal is not None:
         return refusal
     lattice = named[0].lattice
@@ -95,3 +106,9 @@ def _find_through(
         lattice, seen.centre, size, settings
     )
     return named[0] if smooth else Refusal.GRID_INCONSISTENT
+
+
+def _without_marks(predictor: Predictor, target: DotGrid, settings: GridSettings) -> Predictor:
+    """Return a lattice without marks beside it, in its predictor."""
+    lattice = without_marks_beside(predictor.lattice, predictor.outlines, target, settings)
+    return predictor if lattice is predictor.lattice else Predictor(lattice, predictor.outlines, settings)

@@ -29,3 +29,10 @@ def eigenvalues(M: Matrices) -> Float64[np.ndarray, "*stack 2"]:
     half = 0.5 * (M[..., 0, 0] - M[..., 1, 1])
     apart = np.sqrt(np.maximum(half**2 + M[..., 0, 1] * M[..., 1, 0], 0.0))
     return np.stack([middle - apart, middle + apart], axis=-1)
+
+
+def matrix_roots(M: Matrices) -> Matrices:
+    """Return the symmetric square roots of symmetric positive matrices, by Cayley and Hamilton."""
+    root = np.sqrt(determinants(M))
+    scale = np.sqrt(M[..., 0, 0] + M[..., 1, 1] + 2 * root)
+    return np.asarray((M + root[..., None, None] * np.eye(2)) / scale[..., None, None])

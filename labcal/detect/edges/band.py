@@ -37,8 +37,9 @@ def pixels_around(
     least, most = nearest**2, farthest**2
     edge_least, edge_most = max(1.0 - wide, 0.0) ** 2, (1.0 + wide) ** 2
     flat_least, flat_most = max(1.0 - flat, 0.0) ** 2, (1.0 + flat) ** 2
-    box = max(bottom - top + 1, 0) * max(right - left + 1, 0)
+    box = max(bottom - top + 1, 0) * max(right - left + 1, 0) + 1  # with room for one that is not used
     pixels = np.empty((3, box))
+    xs, ys, values = pixels[0], pixels[1], pixels[2]
     of_edge, of_flat = np.empty(right - left + 1, dtype=np.int64), np.empty(right - left + 1, dtype=np.int64)
     count, after = 0, box
     for y in range(top, bottom + 1):
@@ -54,14 +55,12 @@ def pixels_around(
             edge = used & (edge_least < rho2) & (rho2 < edge_most) & near
             of_edge[column] = edge
             of_flat[column] = used & ~edge & (flat_least <= rho2) & (rho2 <= flat_most)
-        # A used pixel is written to both ends, and stays where it belongs: that takes no branch.
-        for column in range(right - left + 1):
-            if of_edge[column] + of_flat[column] == 0:
-                continue
-            x = left + column
-            pixels[0, count], pixels[1, count], pixels[2, count] = x, y, grey[y, x]
+        # A pixel is written to one of both ends, where the next one follows if it is used: without a branch.
+        row = grey[y, left : right + 1]
+        for column in range(len(row)):
+            at = count * of_edge[column] + (after - 1) * (1 - of_edge[column])
+            xs[at], ys[at], values[at] = left + column, y, row[column]
             count += of_edge[column]
-            pixels[0, after - 1], pixels[1, after - 1], pixels[2, after - 1] = x, y, grey[y, x]
             after -= of_flat[column]
     band = np.empty((3, count + box - after))
     band[:, :count], band[:, count:] = pixels[:, :count], pixels[:, after:]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Int
 
-from labcal.detect.cholesky import factorise, solve
+from labcal.detect.cholesky import factorise, solve, solve_columns
 from labcal.detect.compiled import compiled
 from labcal.detect.edges.band import pixels_around, without_clutter
 from labcal.detect.edges.edge_limits import EdgeLimits
@@ -187,24 +187,19 @@ def _write_sums(
     ``t't - t'G inv(A) G't - |P inv(A) G't|^2`` is left, for derivatives G, priors P and A = G'G + P'P.
     """
     priors, system = fit
-    for harmonic in range(len(sums)):
-        left = own
-        for test in range(2 * harmonic, 2 * harmonic + 2):
-            left -= _followed(products[:PARAMETERS, test].copy(), priors, system)
-            sums[harmonic, test - 2 * harmonic] = products[PARAMETERS, test]
-        sums[harmonic, 2] = max(left, 0.0)
-
-
-@compiled
-def _followed(products: np.ndarray, priors: np.ndarray, system: np.ndarray) -> float:
-    """Return the power of white noise that a fit takes from a test function, by its products with slopes."""
-    solved, power = products.copy(), 0.0
-    solve(system, solved)
+    solved = products[:PARAMETERS].copy()
+    solve_columns(system, solved)
+    power = np.zeros(products.shape[1])
     for i in range(PARAMETERS):
-        power += products[i] * solved[i]
+        for test in range(len(power)):
+            power[test] += products[i, test] * solved[i, test]
     for row in range(PRIORS):
-        held = 0.0
-        for i in range(PARAMETERS):
-            held += priors[row, i] * solved[i]
-        power += held * held
-    return power
+        for test in range(len(power)):
+            held = 0.0
+            for i in range(PARAMETERS):
+                held += priors[row, i] * solved[i, test]
+            power[test] += held * held
+    for harmonic in range(len(sums)):
+        for part in range(2):
+            sums[harmonic, part] = products[PARAMETERS, 2 * harmonic + part]
+        sums[harmonic, 2] = max(own - power[2 * harmonic] - power[2 * harmonic + 1], 0.0)

@@ -37,12 +37,17 @@ def deviating_shapes(
 
 def without_deviating_shapes(
     lattice: Lattice, outlines: Outlines, target: DotGrid, settings: GridSettings
-) -> Lattice:
-    """Return a lattice without spots whose shapes deviate very much, as if it skips every other dot."""
-    off = shape_deviations(Predictor(lattice, outlines, settings), outlines, target, settings)
-    deviating = off > settings.max_lattice_shape_log
+) -> Predictor:
+    """Return a lattice without spots whose shapes deviate very much, as if it skips every other dot.
+
+    It is in its predictor, which knows all predictions already if no spot deviates.
+    """
+    predictor = Predictor(lattice, outlines, settings)
+    deviating = shape_deviations(predictor, outlines, target, settings) > settings.max_lattice_shape_log
+    if not deviating.any() or deviating.all():
+        return predictor
     kept = {node: spot for (node, spot), out in zip(lattice.spots.items(), deviating, strict=True) if not out}
-    return Lattice(kept, lattice.undistortion) if kept else lattice
+    return Predictor(Lattice(kept, lattice.undistortion), outlines, settings)
 
 
 def shape_deviations(

@@ -114,7 +114,7 @@ def _polynomial(near: np.ndarray, use: np.ndarray, prediction: np.ndarray) -> fl
         for i in range(_TERMS):
             right[0, i] += row[i] * near[k, 2]
             right[1, i] += row[i] * near[k, 3]
-            for j in range(_TERMS):
+            for j in range(i + 1):
                 normal[i, j] += row[i] * row[j]
     for i in range(_TERMS):
         if not use[i]:
@@ -155,20 +155,9 @@ def _projective(near: np.ndarray, min_depth: float, prediction: np.ndarray) -> f
     """Fit a homography; return the mean square of what is left a degree of freedom, infinite if none."""
     n = 8
     normal, right = np.zeros((n, n)), np.zeros(n)
-    row = np.empty(n)
     middle_x, middle_y = near[:, 2].mean(), near[:, 3].mean()
     size = sqrt(((near[:, 2] - middle_x) ** 2 + (near[:, 3] - middle_y) ** 2).mean())
-    for k in range(len(near)):
-        p, q = near[k, 0], near[k, 1]
-        for side in range(2):
-            value = (near[k, 2 + side] - (middle_x if side == 0 else middle_y)) / size
-            row[:] = 0.0
-            row[3 * side], row[3 * side + 1], row[3 * side + 2] = 1.0, p, q
-            row[6], row[7] = -value * p, -value * q
-            for i in range(n):
-                right[i] += row[i] * value
-                for j in range(n):
-                    normal[i, j] += row[i] * row[j]
+    _add_projective(near, (middle_x, middle_y, size), normal, right)
     if not factorise(normal, n, _SINGULAR):
         return np.inf
     solve(normal, right)
@@ -186,6 +175,36 @@ def _projective(near: np.ndarray, min_depth: float, prediction: np.ndarray) -> f
         prediction[2 + 2 * k] = size * (right[1 + k] - right[0] * right[6 + k])
         prediction[3 + 2 * k] = size * (right[4 + k] - right[3] * right[6 + k])
     return squares / max(len(near) - 0.5 * n, 0.5)
+
+
+@compiled
+def _add_projective(
+    near: np.ndarray, scale: tuple[float, float, float], normal: np.ndarray, right: np.ndarray
+) -> None:
+    """Sum a homography's normal equations; places count from a middle, in sizes.
+
+    The rows of x and of y are (1, p, q, 0, 0, 0, -xp, -xq) and (0, 0, 0, 1, p, q, -yp, -yq).
+    """
+    plane = 3
+    row = np.empty(plane)
+    middle_x, middle_y, size = scale
+    for k in range(len(near)):
+        row[0], row[1], row[2] = 1.0, near[k, 0], near[k, 1]
+        x, y = (near[k, 2] - middle_x) / size, (near[k, 3] - middle_y) / size
+        square = x * x + y * y
+        for i in range(plane):
+            right[i] += row[i] * x
+            right[plane + i] += row[i] * y
+            for j in range(i + 1):
+                normal[i, j] += row[i] * row[j]
+        for i in range(2):
+            right[6 + i] -= square * row[1 + i]
+            for j in range(plane):
+                normal[6 + i, j] -= x * row[1 + i] * row[j]
+                normal[6 + i, plane + j] -= y * row[1 + i] * row[j]
+            for j in range(i + 1):
+                normal[6 + i, 6 + j] += square * row[1 + i] * row[1 + j]
+    normal[plane : 2 * plane, plane : 2 * plane] = normal[:plane, :plane]
 
 
 @compiled

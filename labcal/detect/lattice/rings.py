@@ -8,9 +8,9 @@ import numpy as np
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.medians import median_of
-from labcal.detect.outlines.outlines import Outlines, geometric_mean, matrix_root
+from labcal.detect.outlines.outlines import Outlines, geometric_mean
 from labcal.detect.stage_settings.grid import GridSettings
-from labcal.geometry.two_by_two import inverses
+from labcal.geometry.two_by_two import inverses, matrix_roots
 from labcal.targets.grid import DotGrid, Rings
 
 _SIGMA = 1.4826  # standard deviations over the median of absolute deviations
@@ -130,7 +130,7 @@ def pitches_agree(
 
     `tolerance` is the most that the logarithm of the ratio may be off.
     """
-    flatten = inverses(matrix_root(outlines.shape))
+    flatten = inverses(matrix_roots(outlines.shape))
     lengths: list[np.ndarray] = []
     for step in ((1, 0), (0, 1)):
         pairs = [

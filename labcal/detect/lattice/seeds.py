@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.detect.outlines.outlines import Outlines, geometric_mean, matrix_root
+from labcal.detect.outlines.outlines import Outlines, geometric_mean
 from labcal.detect.stage_settings.grid import GridSettings
-from labcal.geometry.two_by_two import inverses
+from labcal.geometry.two_by_two import inverses, matrix_roots
 from labcal.targets.grid import DotGrid, Layout
 
 _FLAT_ROWS = 3
@@ -48,7 +48,7 @@ def seed_at(
     near = near[np.argsort(distance, kind="stable")[: settings.seed_neighbours]]
     if len(near) < settings.min_seed_neighbours:
         return None
-    flatten = inverses(matrix_root(outlines.shape[np.append(near, i)]))
+    flatten = inverses(matrix_roots(outlines.shape[np.append(near, i)]))
     ring = outlines.hole[np.append(near, i)] > settings.ring_hole_share
     flatten[ring] *= target.ring_size
     steps = outlines.centre[near] - outlines.centre[i]

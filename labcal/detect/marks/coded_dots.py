@@ -9,9 +9,10 @@ from labcal.detect.marks.ring_light import Ring, without_rings
 from labcal.detect.marks.ring_reading import NO_MARK, RingReading, has_white_gap, read_ring
 from labcal.detect.marks.ring_samples import sample_ring
 from labcal.detect.marks.round_dots import measured_spots, round_spots, sharp_spots
-from labcal.detect.outlines.outlines import Outlines, matrix_root
+from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DEFAULTS, DetectSettings
 from labcal.detect.stage_settings.mark import MarkSettings
+from labcal.geometry.two_by_two import matrix_roots
 from labcal.targets.coded_dots import RING_OUTER
 from labcal.targets.ring_codes import CodeBook, RingCode, code_book
 
@@ -137,7 +138,7 @@ class _View:
     ) -> None:
         self._grey, self._book, self._settings = grey, book, settings
         shape = outlines.shape[number]
-        self.centre, self.root = outlines.centre[number], matrix_root(shape[None])[0]
+        self.centre, self.root = outlines.centre[number], matrix_roots(shape[None])[0]
         self.minor = np.linalg.eigh(shape)[1][:, 0]
         self._blur = max(float(outlines.blur[number]), _LEAST_BLUR_PX)
 

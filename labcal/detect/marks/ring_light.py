@@ -11,9 +11,9 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.light_fall import lit_centres
 from labcal.detect.marks.ring_samples import PER_SECTOR, displaced
 from labcal.detect.marks.round_dots import sharp_shapes, surrounded_reach
-from labcal.detect.outlines.outlines import Outlines, matrix_root
+from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
-from labcal.geometry.two_by_two import eigenvalues
+from labcal.geometry.two_by_two import eigenvalues, matrix_roots
 from labcal.targets.coded_dots import RING_INNER, RING_OUTER
 
 _FINER = 4
@@ -88,7 +88,7 @@ def without_rings(
         if not len(soft):
             return cleared
         cleared = grey.copy()
-        centres, roots = lit_centres(fits), matrix_root(sharp_shapes(fits))
+        centres, roots = lit_centres(fits), matrix_roots(sharp_shapes(fits))
         for number in soft.tolist():
             light = _Light(
                 float(fits.blur[number]),

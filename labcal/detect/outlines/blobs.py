@@ -7,10 +7,14 @@ import numpy as np
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.grey import GreyPicture
+from labcal.detect.outlines.contours import AREA, CENTRE, HIGH, LOW, SCATTER, SHAPE, contour_table
 from labcal.detect.stage_settings.segmentation import SegmentationSettings
+from labcal.geometry.two_by_two import eigenvalues, matrix_roots
 
 _ROWS_AT_ONCE = 512
 _EXPANSION = 0.5  # px: contours run through the centres of the outermost pixels
+_ROUND = np.array([1.0, 0.0, 1.0])
+"""xx, xy and yy of any outline, where there is none."""
 
 
 @dataclass(frozen=True)
@@ -129,55 +133,24 @@ def _roughly_elliptic(
     contours: list[np.ndarray], size: tuple[int, ...], settings: SegmentationSettings
 ) -> Blobs:
     """Return the contours that could be dots, and those that the frame cuts."""
-    count = np.array([len(contour) for contour in contours])
-    start = np.concatenate([[0], np.cumsum(count)[:-1]])
-    owner = np.repeat(np.arange(len(contours)), count)
-    points = np.concatenate(contours).astype(np.float64)
-    low, high = np.minimum.reduceat(points, start), np.maximum.reduceat(points, start)
+    found = contour_table(np.concatenate(contours), np.cumsum([len(contour) for contour in contours]))
+    low, high = found[:, LOW], found[:, HIGH]
     middle, half = (low + high) / 2, (high - low + 1) / 2
     small = half.max(axis=1) <= settings.max_axis_share * max(size)
     cut = small & ((low <= 0).any(axis=1) | (high >= np.array(size[::-1]) - 1).any(axis=1))
-
-    area, centre, shape = _polygon_moments(points - middle[owner], start, count)
-    axes, vectors = np.linalg.eigh(shape)
-    sound = small & ~cut & (area > 0) & (axes[:, 0] > 0)
-    axes = np.sqrt(np.where(sound[:, None], axes, 1.0))
-    grown = axes + _EXPANSION
+    sound = small & ~cut & (found[:, AREA] > 0)
+    shape = np.where(sound[:, None], found[:, SHAPE], _ROUND)[:, [0, 1, 1, 2]].reshape(-1, 2, 2)
+    grown = np.sqrt(np.maximum(eigenvalues(shape), 0.0)) + _EXPANSION
     sound &= grown[:, 0] >= settings.min_spot_axis_px
     sound &= grown[:, 0] >= settings.min_axis_ratio_share * grown[:, 1]
-    flat = np.einsum("ki,kij->kj", points - (middle + centre)[owner], vectors[owner]) / axes[owner]
-    radius = np.hypot(flat[:, 0], flat[:, 1])
-    mean = np.add.reduceat(radius, start) / count
-    scatter = np.sqrt(np.add.reduceat((radius - mean[owner]) ** 2, start) / count)
-    sound &= scatter <= settings.max_contour_scatter_share + settings.max_contour_scatter_px / grown[:, 0]
-
-    outline = np.einsum("nij,nj,nkj->nik", vectors, grown**2, vectors)
-    boxes = half[:, :, None] ** 2 * np.eye(2)
+    limit = settings.max_contour_scatter_share + settings.max_contour_scatter_px / grown[:, 0]
+    sound &= found[:, SCATTER] <= limit
     kept = sound | cut
+    # With semi-axes that are longer by _EXPANSION.
+    outline = shape + 2.0 * _EXPANSION * matrix_roots(shape) + _EXPANSION**2 * np.eye(2)
+    boxes = half[:, :, None] ** 2 * np.eye(2)
     return Blobs(
-        np.where(cut[:, None], middle, middle + centre)[kept],
+        np.where(cut[:, None], middle, found[:, CENTRE])[kept],
         np.where(cut[:, None, None], boxes, outline)[kept],
         cut[kept],
     )
-
-
-def _polygon_moments(points: np.ndarray, start: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return area, centroid and four times the covariance of closed polygons (by Green's theorem).
-
-    The square root of the latter's eigenvalues are an ellipse's semi-axes. Where the area is zero so is all
-    else.
-    """
-    following = np.arange(1, len(points) + 1)
-    following[start + count - 1] = start
-    x, y = points.T
-    u, v = points[following].T
-    cross = x * v - u * y
-    total = np.add.reduceat(cross, start)
-    safe = np.where(total == 0, np.inf, total)
-    sums = np.stack([cross * (x + u), cross * (y + v)], axis=-1)
-    centre = np.add.reduceat(sums, start) / (3 * safe[:, None])
-    xx = np.add.reduceat(cross * (x * x + x * u + u * u), start) / (6 * safe)
-    yy = np.add.reduceat(cross * (y * y + y * v + v * v), start) / (6 * safe)
-    xy = np.add.reduceat(cross * (x * v + 2 * x * y + 2 * u * v + u * y), start) / (12 * safe)
-    second = np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
-    return np.abs(total) / 2, centre, 4 * (second - centre[:, :, None] * centre[:, None, :])

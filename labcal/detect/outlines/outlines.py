@@ -10,7 +10,7 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.outlines.blobs import Blobs
 from labcal.detect.outlines.rays import COLUMNS, RayLimits, distinct, ray_directions, trace_all
 from labcal.detect.stage_settings.segmentation import SegmentationSettings
-from labcal.geometry.two_by_two import determinants
+from labcal.geometry.two_by_two import determinants, matrix_roots
 from labcal.targets.grid import DotGrid
 
 
@@ -109,7 +109,7 @@ def trace_from(
 
 def _for_rays(centre: Pixels, shape: PixelCovariances) -> np.ndarray:
     """Return centres and outlines as rays begin from them: x, y, and xx xy yy of the outlines' roots."""
-    root = matrix_root(shape)
+    root = matrix_roots(shape)
     spots: np.ndarray = np.concatenate([centre, root[:, 0], root[:, 1, 1:]], axis=1)
     return spots
 
@@ -118,15 +118,6 @@ def _shape_of(table: np.ndarray) -> PixelCovariances:
     """Return the outline matrices of traced spots."""
     shape: np.ndarray = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
     return shape
-
-
-def matrix_root(matrix: PixelCovariances) -> PixelCovariances:
-    """Return the symmetric square roots of symmetric positive 2 x 2 matrices (by Cayley-Hamilton)."""
-    root = np.sqrt(determinants(matrix))
-    trace = matrix[..., 0, 0] + matrix[..., 1, 1]
-    scale = np.sqrt(trace + 2 * root)
-    result: np.ndarray = (matrix + root[..., None, None] * np.eye(2)) / scale[..., None, None]
-    return result
 
 
 def inside_frame(centre: Pixels, shape: PixelCovariances, size: tuple[int, int], margin: float) -> Mask:
