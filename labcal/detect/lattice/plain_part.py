@@ -35,7 +35,7 @@ def plain_part(
     found = find_lattices(outlines, target, NONE, settings)
     if not found:
         return Lattice({}), []
-    lattice = without_deviating_shapes(found[0], outlines, target, settings)
+    lattice = without_deviating_shapes(found[0], outlines, target, settings).lattice
     lattice = without_marks_beside(lattice, outlines, target, settings)
     nodes = np.array(list(lattice.spots), dtype=np.int64)
     if len(nodes) < settings.min_dots or np.ptp(nodes, axis=0).min() + 1 < _FEWEST_LINES:
