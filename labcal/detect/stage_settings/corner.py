@@ -45,6 +45,13 @@ class CornerSettings(StageSettings):
         description="Deviations by which codes must speak for a place without the clearest one, and against "
         "any other place. Larger: more refusals.",
     )
+    max_code_contradiction: float = Field(
+        0.15,
+        gt=0,
+        le=1,
+        description="Most share of the codes, by how clear they are, that are unlike those of the board. Larger: "
+        "more dirty boards are placed, and boards with other squares.",
+    )
     min_code_squares: int = Field(
         2,
         ge=2,
