@@ -21,6 +21,9 @@ from labcal.targets.charuco import CharucoBoard
 _OVERHANG = 2
 """Lines of false corners, of the paper's rim, by which a lattice may go beyond the board."""
 
+_FINE = 2
+"""Reduction of a picture in which the smallest squares are still seen."""
+
 _LEAST_SADDLES = 4
 """Saddle points in a picture of half the size in which a board may be: those of 60 drawn boards had 26."""
 
@@ -51,9 +54,9 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
     have on the board, by the colours of its squares, the picture is correlated with the codes that the
     board has there; chance is what codes of the same dictionary in other squares give. That place is taken
     where all squares together are more like their codes than chance would have it once in so many millions
-    of pictures (`code_false_alarms`), not by a single square, where hardly any square is unlike its code, as half
-    of them are on a board of the other pattern or with more columns, and where no line of corners goes on
-    beyond the board.
+    of pictures (`code_false_alarms`), not by a single square, where hardly any square is unlike its code, as
+    half of them are on a board of the other pattern or with more columns, and where no line of corners goes
+    on beyond the board.
 
     Parameters
     ----------
@@ -80,7 +83,7 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
                 corners = _placed(level, (lattice, saddles), board, settings)
                 if len(corners.index):
                     return corners
-            if level.factor <= 2 and len(saddles.place) < _LEAST_SADDLES:
+            if level.factor <= _FINE and len(saddles.place) < _LEAST_SADDLES:
                 return Corners.none()
     return Corners.none()
 

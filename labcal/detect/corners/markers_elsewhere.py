@@ -39,8 +39,8 @@ def why_not_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSet
     )
     if own > 1:
         read += (
-            " They do not agree where the board is, or are too far from each other to tell: the corners of the "
-            "squares between them, or another marker beside one of them, must be seen."
+            " They do not agree where the board is, or are too far from each other to tell: the corners of "
+            "the squares between them, or another marker beside one of them, must be seen."
         )
     return Refusal.MARKERS_UNREADABLE, read
 

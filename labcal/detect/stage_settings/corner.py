@@ -49,8 +49,8 @@ class CornerSettings(StageSettings):
         0.15,
         gt=0,
         le=1,
-        description="Most share of the codes, by how clear they are, that are unlike those of the board. Larger: "
-        "more dirty boards are placed, and boards with other squares.",
+        description="Most share of the codes, by how clear they are, that are unlike those of the board. "
+        "Larger: more dirty boards are placed, and boards with other squares.",
     )
     min_code_squares: int = Field(
         2,
