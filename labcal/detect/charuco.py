@@ -50,8 +50,8 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
         further = {(int(i), int(j)) for i, j in rough.index[~rough.beside]}
     else:
         refusal, detail = why_not_in_place(seen, board, settings.corner)
-        other = refusal is Refusal.OTHER_IDS
-        found = Corners.none() if other else corners_by_codes(grey, board, settings)
+        unread = refusal in (Refusal.NO_MARKERS, Refusal.MARKERS_UNREADABLE)
+        found = corners_by_codes(grey, board, settings) if unread else Corners.none()
         if len(found.index) == 0:
             return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
     corners = measured_corners(grey, board, found, settings)
