@@ -21,6 +21,9 @@ from labcal.targets.charuco import CharucoBoard
 _OVERHANG = 2
 """Lines of false corners, of the paper's rim, by which a lattice may go beyond the board."""
 
+_LEAST_DEVIATION = 1e-9
+"""Of squares without any code in them, even ones, steps."""
+
 _FINE = 2
 """Reduction of a picture in which the smallest squares are still seen."""
 
@@ -150,7 +153,7 @@ def _places(
                 if len(on) == 0 or (marker < 0).any():
                     continue
                 sigmas = likeness.sigmas(on, turned[marker])
-                weight = likeness.deviation[on]
+                weight = np.maximum(likeness.deviation[on], _LEAST_DEVIATION)
                 part = sigmas * weight
                 total = float(part.sum() / np.sqrt((weight**2).sum()))
                 rest = np.arange(len(on)) != part.argmax()
