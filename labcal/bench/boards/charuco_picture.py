@@ -52,7 +52,7 @@ class CharucoPicture:
 
     @property
     def countable(self) -> bool:
-        """Whether the picture should be indexed: half of the corners are in sight."""
+        """Tell whether half of the corners are in sight, so that the picture should be indexed."""
         return bool(self.visible.mean() >= IN_SIGHT)
 
     def axes(self, number: int) -> np.ndarray:

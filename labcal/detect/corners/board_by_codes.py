@@ -47,7 +47,7 @@ class _Place:
     without_best: float
     """The same without the square that tells most."""
     against: float
-    """Share of what squares tell that is told by those much less like their codes than the clearest ones."""
+    """Share of the evidence in squares that are much less like their codes than the clearest one."""
 
 
 def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> Corners:
@@ -57,7 +57,7 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
     have on the board, by the colours of its squares, the picture is correlated with the codes that the
     board has there; chance is what codes of the same dictionary in other squares give. That place is taken
     where all squares together are more like their codes than chance would have it once in so many millions
-    of pictures (`code_false_alarms`), not by a single square, where hardly any square is unlike its code, as
+    of pictures (`code_false_alarm_share`), not by a single square, where hardly any square is unlike its code, as
     half of them are on a board of the other pattern or with more columns, and where no line of corners goes
     on beyond the board.
 
@@ -107,10 +107,10 @@ def _placed(
         return Corners.none()
     places.sort(key=lambda one: -one.sigmas)
     best = places[0]
-    enough = float(norm.isf(settings.corner.code_false_alarms / len(places) / len(_RINGS)))
-    certain = best.sigmas > enough and best.without_best > settings.corner.min_code_sigmas
-    certain &= best.against < settings.corner.max_code_contradiction
-    alone = len(places) == 1 or best.sigmas - places[1].sigmas > settings.corner.min_code_sigmas
+    enough = float(norm.isf(settings.corner.code_false_alarm_share / len(places) / len(_RINGS)))
+    certain = best.sigmas > enough and best.without_best > settings.corner.min_code_sigma
+    certain &= best.against < settings.corner.max_code_contradiction_share
+    alone = len(places) == 1 or best.sigmas - places[1].sigmas > settings.corner.min_code_sigma
     index = nodes @ TURNS[best.turn].T + best.shift
     own = ((index >= 0) & (index < [board.cols, board.rows])).all(axis=1)
     if not (certain and alone) or _goes_on(index, board, settings.saddle.min_line_share):
