@@ -57,8 +57,8 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
     have on the board, by the colours of its squares, the picture is correlated with the codes that the
     board has there; chance is what codes of the same dictionary in other squares give. That place is taken
     where all squares together are more like their codes than chance would have it once in so many millions
-    of pictures (`code_false_alarm_share`), not by a single square, where hardly any square is unlike its code, as
-    half of them are on a board of the other pattern or with more columns, and where no line of corners goes
+    of pictures (`code_false_alarm_share`), not by a single square, where hardly any square is unlike its
+    code, as half of them are on a board of the other pattern or with more columns, and where no line of corners goes
     on beyond the board.
 
     Parameters
