@@ -58,8 +58,8 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
     board has there; chance is what codes of the same dictionary in other squares give. That place is taken
     where all squares together are more like their codes than chance would have it once in so many millions
     of pictures (`code_false_alarm_share`), not by a single square, where hardly any square is unlike its
-    code, as half of them are on a board of the other pattern or with more columns, and where no line of corners goes
-    on beyond the board.
+    code, as half of them are on a board of the other pattern or with more columns, and where no line
+    of corners goes on beyond the board.
 
     Parameters
     ----------
