@@ -17,6 +17,9 @@ from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.charuco import CharucoBoard
 from labcal.wording import counted
 
+_FEW = 3
+"""Markers in place, up to which the lattice of corners is looked for: what few predict may be far off."""
+
 
 def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> PictureDots:
     """Find the board's corners in one picture.
@@ -48,6 +51,10 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
         rough = corners_beside(placed, board)
         found = Corners(rough.index, rough.q, [None] * len(rough.index), rough.axes)
         further = {(int(i), int(j)) for i, j in rough.index[~rough.beside]}
+        if len(placed.number) <= _FEW:
+            by_codes = corners_by_codes(grey, board, settings)
+            if len(by_codes.index) > len(found.index):
+                found, further = by_codes, set()
     else:
         refusal, detail = why_not_in_place(seen, board, settings.corner)
         unread = refusal in (Refusal.NO_MARKERS, Refusal.MARKERS_UNREADABLE)

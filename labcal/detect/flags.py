@@ -127,7 +127,8 @@ _ADVICE = {
     ),
     Refusal.OTHER_BOARD: (
         "Markers were found, but not in the places that the target gives them. Check its squares along x and "
-        "y, and its pattern: 'legacy' for boards made by OpenCV before 4.6."
+        "y, and its pattern: 'legacy' for boards made by OpenCV before 4.6. Where these are right, come "
+        "nearer: markers less than 15 px across are often read wrongly or found beside their places."
     ),
     Refusal.NO_CHESSBOARD: (
         "No chessboard was found. Check that the board is in the picture, in focus and flat, and that a "

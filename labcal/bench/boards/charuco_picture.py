@@ -94,7 +94,9 @@ def _drawn_once(board: CharucoBoard, random: np.random.Generator) -> CharucoPict
     if sharp is None:
         return None
     corner = sharp.seen(places)
-    picture = CharucoPicture(np.zeros((0, 0), dtype=np.uint8), board, sharp, corner, np.zeros(0, dtype=bool))
+    picture = CharucoPicture(
+        np.zeros((0, 0), dtype=np.uint8), board, sharp, corner, np.ones(len(corner), bool)
+    )
     axes = np.array([picture.axes(k) for k in range(len(corner))])
     lengths = np.linalg.norm(axes, axis=1).max(axis=1)
     heights = np.abs(np.linalg.det(axes)) / lengths

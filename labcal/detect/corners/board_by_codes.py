@@ -21,6 +21,18 @@ from labcal.targets.charuco import CharucoBoard
 _OVERHANG = 2
 """Lines of false corners, of the paper's rim, by which a lattice may go beyond the board."""
 
+_LEAST_DEVIATION = 1e-9
+"""Of squares without any code in them, even ones, steps."""
+
+_FINE = 2
+"""Reduction of a picture in which the smallest squares are still seen."""
+
+_LEAST_SADDLES = 4
+"""Saddle points in a picture of half the size in which a board may be: those of 60 drawn boards had 26."""
+
+_UNLIKE = 0.5
+"""Likeness of a square to its code, of the most of all squares, below which it speaks against a place."""
+
 _RINGS = (1.0, 0.7)
 """Radii of the rings that are read around corners, of the usual one: beside small squares lie markers."""
 
@@ -34,6 +46,8 @@ class _Place:
     sigmas: float
     without_best: float
     """The same without the square that tells most."""
+    against: float
+    """Share of the evidence in squares that are much less like their codes than the clearest one."""
 
 
 def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> Corners:
@@ -43,8 +57,9 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
     have on the board, by the colours of its squares, the picture is correlated with the codes that the
     board has there; chance is what codes of the same dictionary in other squares give. That place is taken
     where all squares together are more like their codes than chance would have it once in so many millions
-    of pictures (`code_false_alarms`), not by a single square, and where no line of corners goes on beyond the
-    board.
+    of pictures (`code_false_alarm_share`), not by a single square, where hardly any square is unlike its
+    code, as half of them are on a board of the other pattern or with more columns, and where no line
+    of corners goes on beyond the board.
 
     Parameters
     ----------
@@ -59,7 +74,7 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
         Rough places with ids; none where nothing is certain.
     """
     for level in reduced_pictures(grey, settings):
-        for share in _RINGS:
+        for share in _RINGS if level.factor == 1 else _RINGS[:1]:  # half the size has the smaller ring, too
             near = settings.saddle.model_copy(
                 update={
                     "ring_px": share * settings.saddle.ring_px,
@@ -71,6 +86,8 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
                 corners = _placed(level, (lattice, saddles), board, settings)
                 if len(corners.index):
                     return corners
+            if level.factor <= _FINE and len(saddles.place) < _LEAST_SADDLES:
+                return Corners.none()
     return Corners.none()
 
 
@@ -90,9 +107,10 @@ def _placed(
         return Corners.none()
     places.sort(key=lambda one: -one.sigmas)
     best = places[0]
-    enough = float(norm.isf(settings.corner.code_false_alarms / len(places) / len(_RINGS)))
-    certain = best.sigmas > enough and best.without_best > settings.corner.min_code_sigmas
-    alone = len(places) == 1 or best.sigmas - places[1].sigmas > settings.corner.min_code_sigmas
+    enough = float(norm.isf(settings.corner.code_false_alarm_share / len(places) / len(_RINGS)))
+    certain = best.sigmas > enough and best.without_best > settings.corner.min_code_sigma
+    certain &= best.against < settings.corner.max_code_contradiction_share
+    alone = len(places) == 1 or best.sigmas - places[1].sigmas > settings.corner.min_code_sigma
     index = nodes @ TURNS[best.turn].T + best.shift
     own = ((index >= 0) & (index < [board.cols, board.rows])).all(axis=1)
     if not (certain and alone) or _goes_on(index, board, settings.saddle.min_line_share):
@@ -135,12 +153,14 @@ def _places(
                 if len(on) == 0 or (marker < 0).any():
                     continue
                 sigmas = likeness.sigmas(on, turned[marker])
-                weight = likeness.deviation[on]
+                weight = np.maximum(likeness.deviation[on], _LEAST_DEVIATION)
                 part = sigmas * weight
                 total = float(part.sum() / np.sqrt((weight**2).sum()))
                 rest = np.arange(len(on)) != part.argmax()
                 without = float(part[rest].sum() / np.sqrt((weight[rest] ** 2).sum())) if rest.any() else 0.0
-                found.append(_Place(turn, shift, total, without))
+                unlike = sigmas < _UNLIKE * sigmas.max()
+                against = float((weight[unlike] ** 2).sum() / (weight**2).sum())
+                found.append(_Place(turn, shift, total, without, against))
     return found
 
 

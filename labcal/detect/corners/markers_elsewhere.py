@@ -37,6 +37,11 @@ def why_not_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSet
     read = (
         f"{counted(own, 'marker')} of the board's {board.marker_count} {'was' if own == 1 else 'were'} read."
     )
+    if own > 1:
+        read += (
+            " They do not agree where the board is, or are too far from each other to tell: the corners of "
+            "the squares between them, or another marker beside one of them, must be seen."
+        )
     return Refusal.MARKERS_UNREADABLE, read
 
 

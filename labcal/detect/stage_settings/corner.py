@@ -31,19 +31,26 @@ class CornerSettings(StageSettings):
         description="Number of markers that do not agree with the board that prove another one. Larger: "
         "'other-board' is rarer.",
     )
-    code_false_alarms: float = Field(
+    code_false_alarm_share: float = Field(
         1e-7,
         gt=0,
         le=0.01,
         description="Probability that chance places a board by codes that are not read one by one. Larger: "
         "more worn and blurred boards are placed, and wrong ones.",
     )
-    min_code_sigmas: float = Field(
+    min_code_sigma: float = Field(
         3.0,
         ge=1,
         le=100,
         description="Deviations by which codes must speak for a place without the clearest one, and against "
         "any other place. Larger: more refusals.",
+    )
+    max_code_contradiction_share: float = Field(
+        0.15,
+        gt=0,
+        le=1,
+        description="Most share of the codes, by how clear they are, that are unlike those of the board. "
+        "Larger: more dirty boards are placed, and boards with other squares.",
     )
     min_code_squares: int = Field(
         2,

@@ -5,11 +5,14 @@ import numpy as np
 import pytest
 
 from labcal.bench.boards.charuco_ink import charuco_ink
+from labcal.bench.boards.charuco_picture import charuco_picture
 from labcal.bench.marks.drawn_picture import Exposure, drawn
+from labcal.detect.corners.board_by_codes import corners_by_codes
 from labcal.detect.corners.code_likeness import CodeLikeness, board_codes, turned_codes
 from labcal.detect.detector import detect_dots
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice.rings import TURNS
+from labcal.detect.settings import DetectSettings
 from labcal.targets.charuco import CharucoBoard, MarkerDictionary
 from labcal.targets.charuco_opencv import markers, opencv_board
 
@@ -52,16 +55,35 @@ def test_a_board_none_of_whose_markers_opencv_reads_is_placed(turn_deg: float) -
     assert np.abs(off).max() < 0.4
 
 
-def test_two_markers_far_from_each_other_place_a_board_by_its_lattice() -> None:
+def test_two_clear_codes_far_from_each_other_place_a_board_by_its_lattice() -> None:
     exposure = view(30.0, 0.7)
-    kept = {0, 16}
     picture = with_worn_codes(
-        drawn(exposure, charuco_ink(BOARD), (), np.random.default_rng(2)), exposure, kept
+        drawn(exposure, charuco_ink(BOARD), (), np.random.default_rng(2)), exposure, {7, 9}
     )
+    assert len(corners_by_codes(picture.astype(np.float32) / 255.0, BOARD, DetectSettings()).index) > 8
     dots = detect_dots(picture, BOARD)
     assert dots.refusal is None
     off = dots.position[dots.ok] - exposure.seen(BOARD.points(dots.index[dots.ok])[:, :2])
     assert np.abs(off).max() < 0.2
+
+
+def test_two_markers_of_the_rim_are_refused_with_what_would_be_needed() -> None:
+    exposure = view(30.0, 0.7)
+    picture = with_worn_codes(
+        drawn(exposure, charuco_ink(BOARD), (), np.random.default_rng(2)), exposure, {0, 16}
+    )
+    dots = detect_dots(picture, BOARD)
+    assert dots.refusal is Refusal.MARKERS_UNREADABLE
+    assert "too far from each other" in dots.detail
+
+
+def test_a_board_with_more_columns_is_not_placed_by_the_rows_that_agree() -> None:
+    picture = charuco_picture(6, 11)  # the lines by which one would see that the board has ended are hidden
+    grey = picture.picture.astype(np.float32) / 255.0
+    columns, rows = picture.board.squares
+    other = picture.board.model_copy(update={"squares": (columns + 1, rows)})
+    assert len(corners_by_codes(grey, picture.board, DetectSettings()).index) > 0
+    assert len(corners_by_codes(grey, other, DetectSettings()).index) == 0
 
 
 def test_boards_with_other_codes_or_in_a_mirror_are_not_placed() -> None:
