@@ -15,19 +15,22 @@ _ROUNDS = 2
 """Fits with the curve of the round before: what is left of a curve after them is below its noise."""
 _NEAR = 2
 """Nodes to either side whose curves have one median, against the corners' noise."""
+_SIGMAS = 3.0
+"""Deviations at which the corners of a picture together tell a curve from none."""
+_DEVIATIONS_A_MAD, _MEDIAN_SHARE = 1.4826, 1.2533
+"""Standard deviation over the median absolute deviation, and that of a median over that of a mean: normal."""
 _RIDGE = 1e-9
 
 
-def tone_free_fits(
-    fits: Mapping[Node, SettledCorner], settings: CornerSettings
-) -> dict[Node, SettledCorner]:
+def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings) -> dict[Node, SettledCorner]:
     """Return fits with the curve of the tone around each, which is no part of their model, taken out.
 
     Where grey values are a curved function of light, or ink has spread, all edges seem to move into the black
     or out of it. At a chessboard's corner this is the same on opposite sides, and does not move it. A tag's
     edges are longer than those of the small square at its corner: lines through both then miss the corner.
     To the second order a tone curve adds ``c h (1 - X^2)`` to the picture with half step h and pattern X; so
-    does, to the first order, a shift of all edges. c is the median of the least squares of the corners around.
+    does, to the first order, a shift of all edges. c is the median of the least squares of the corners
+    around; none is taken out where all corners together do not tell it from 0.
 
     Parameters
     ----------
@@ -40,11 +43,11 @@ def tone_free_fits(
         Without those that do not converge.
     """
     found, total = dict(fits), dict.fromkeys(fits, 0.0)
+    left = np.array([_curve(fit) for fit in found.values()])
+    if not _is_told(left):
+        return found
     for _ in range(_ROUNDS):
-        if not found:
-            break
         grid = NodeGrid.of(list(found))
-        left = np.array([_curve(fit) for fit in found.values()])
         near = median_around(grid.spread(left), _NEAR)[grid.at]
         refitted = {}
         for (node, fit), curve in zip(found.items(), near.tolist(), strict=True):
@@ -57,7 +60,19 @@ def tone_free_fits(
                     fit, state=state, window=window, roughness=rms / (2.0 * float(state[7]))
                 )
         found = refitted
+        if not found:
+            break
+        left = np.array([_curve(fit) for fit in found.values()])
     return found
+
+
+def _is_told(curves: np.ndarray) -> bool:
+    """Return whether the median of curves (n,) is not 0 by chance."""
+    if not len(curves):
+        return False
+    middle = float(np.median(curves))
+    spread = _DEVIATIONS_A_MAD * float(np.median(np.abs(curves - middle)))
+    return bool(abs(middle) * np.sqrt(len(curves)) > _SIGMAS * _MEDIAN_SHARE * spread)
 
 
 def _bump(fit: SettledCorner) -> np.ndarray:
