@@ -16,7 +16,7 @@ _ROUNDS = 2
 _NEAR = 2
 """Nodes to either side whose curves have one median, against the corners' noise."""
 _SIGMAS = 3.0
-"""Deviations at which the corners of a picture together tell a curve from none."""
+"""Deviations at which the curve of all corners of a picture is not chance."""
 _DEVIATIONS_A_MAD, _MEDIAN_SHARE = 1.4826, 1.2533
 """Standard deviation over the median absolute deviation, and that of a median over that of a mean: normal."""
 _RIDGE = 1e-9
@@ -30,7 +30,7 @@ def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings)
     edges are longer than those of the small square at its corner: lines through both then miss the corner.
     To the second order a tone curve adds ``c h (1 - X^2)`` to the picture with half step h and pattern X; so
     does, to the first order, a shift of all edges. c is the median of the least squares of the corners
-    around; none is taken out where all corners together do not tell it from 0.
+    around; none is taken out where it is not distinct from 0 over all corners.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings)
     """
     found, total = dict(fits), dict.fromkeys(fits, 0.0)
     left = np.array([_curve(fit) for fit in found.values()])
-    if not _is_told(left):
+    if not _is_distinct(left):
         return found
     for _ in range(_ROUNDS):
         grid = NodeGrid.of(list(found))
@@ -66,7 +66,7 @@ def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings)
     return found
 
 
-def _is_told(curves: np.ndarray) -> bool:
+def _is_distinct(curves: np.ndarray) -> bool:
     """Return whether the median of curves (n,) is not 0 by chance."""
     if not len(curves):
         return False
