@@ -11,6 +11,7 @@ from labcal.detect.corners.enlarged import Enlarged, enlarged_picture
 from labcal.detect.corners.markers_elsewhere import ids_read
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
 from labcal.detect.corners.reduced import Reduced, reduced_pictures
+from labcal.detect.corners.saddle_angles import unturned
 from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.corners.tag_codes import SeenTags, read_tags
 from labcal.detect.corners.tag_places import cells_along, tags_in_place
@@ -79,7 +80,8 @@ def _placed(
     for level in levels:
         if isinstance(level, Enlarged) and best and _cell_px(list(best.values()), grid) > _SMALL_CELL_PX:
             break
-        tags = read_tags(level.grey, find_saddles(level.grey, settings.saddle), grid)
+        saddles = unturned(find_saddles(level.grey, settings.saddle), settings)
+        tags = read_tags(level.grey, saddles, grid)
         tags = SeenTags(tags.number, level.in_full(tags.corners))
         placed = tags_in_place(tags, grid, settings.corner)
         seen = tags if len(tags.number) >= len(seen.number) else seen

@@ -9,7 +9,7 @@ from labcal.arrays import Pixels
 from labcal.detect.compiled import compiled
 from labcal.detect.corners.saddles import Saddles
 
-_NEAREST = 48
+_NEAREST = 96
 """Saddle points among which the next one along an edge is looked for."""
 _MOST_TURN = 0.35
 """Most angle between an edge and the way to the next saddle point along it, rad."""

@@ -8,6 +8,7 @@ import numpy as np
 from labcal.detect.corners.corner_fit import SettledCorner, with_known_light
 from labcal.detect.corners.node_grid import NodeGrid, around, median_around
 from labcal.detect.corners.tag_saddle import TagSaddle, widened_tag_saddle
+from labcal.detect.corners.tag_tone import tone_free_fits
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -62,7 +63,7 @@ def wider_tag_fits(
             wide[node] = found
     final = {node: fit for k, (node, fit) in enumerate(fits.items()) if np.isnan(bends[k]).any()}
     if not wide:
-        return final
+        return tone_free_fits(final, settings)
     bends, slopes = _bends(wide), _slopes(wide)
     for k, (node, one) in enumerate(wide.items()):
         if np.isnan(bends[k]).any() or np.isnan(slopes[k]).any():
@@ -71,7 +72,7 @@ def wider_tag_fits(
         known = with_known_light(one, slopes[k], bends[k], settings)
         if known is not None:
             final[node] = known
-    return final
+    return tone_free_fits(final, settings)
 
 
 def _bends(fits: Mapping[Node, SettledCorner]) -> np.ndarray:

@@ -72,6 +72,24 @@ def test_normalised_errors_pass_a_chi_square_test_and_are_half_of_opencvs() -> N
     assert np.sqrt(ours) < 0.5 * np.sqrt(theirs)
 
 
+def test_a_tone_curve_moves_no_corner() -> None:
+    inward, squares, count = [], 0.0, 0
+    for seed, roll in enumerate((0.0, 0.7, 1.3, 2.1)):
+        how = exposure(roll=roll)
+        light = picture(how, seed) / 255.0
+        srgb = np.where(light > 0.0031308, 1.055 * light ** (1.0 / 2.4) - 0.055, 12.92 * light)
+        dots = detect_dots(np.rint(255.0 * srgb).astype(np.uint8), GRID)
+        off, index = errors(dots, how), dots.index[dots.ok]
+        into = how.seen(GRID.points(index + 1 - 2 * (index % 2))[:, :2]) - how.seen(GRID.points(index)[:, :2])
+        inward.append((off * into).sum(axis=1) / np.linalg.norm(into, axis=1))
+        squares += float(np.einsum("ni,nij,nj->", off, np.linalg.inv(dots.covariance[dots.ok]), off))
+        count += 2 * len(off)
+    every = np.concatenate(inward)
+    assert count > 7 * GRID.count
+    assert abs(every.mean()) < 3.3 * every.std() / np.sqrt(len(every))
+    assert 0.5 < squares / count < 1.3
+
+
 def test_a_part_of_the_grid_numbers_itself_and_what_is_hidden_is_not_measured() -> None:
     how = exposure()
     how = replace(how, H=np.array([[1.0, 0, 40], [0, 1, 15], [0, 0, 1]]) @ how.H)
