@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float64
-from scipy.spatial import cKDTree
+from jaxtyping import Float64, Int64
 
 from labcal.arrays import Pixels
 from labcal.detect.edge_fit import EdgeFits
@@ -18,6 +17,8 @@ _MOST_OBLONG = 1e-3
 _MOST_ADDED = 0.0025
 """Variance that the slope may add to a centre, over the centre's: where light falls in a step, the scatter of
 the levels about a plane is large."""
+_TOGETHER = 256
+"""Dots whose neighbours are looked for at once."""
 _DARKEST = 1e-6
 """Of a level, grey values."""
 
@@ -70,12 +71,21 @@ def _slopes(fits: EdgeFits) -> Pixels:
         return slopes
     place = fits.centre[some]
     level = np.log(np.maximum(np.maximum(fits.board, fits.dot)[some], _DARKEST))
-    near = cKDTree(place).query(place, min(_NEIGHBOURS + 1, len(some)))[1]
+    near = _nearest(place, min(_NEIGHBOURS + 1, len(some)))
     around, variance = _planes(place[near], level[near])
     added = fits.blur[some] ** 4 * variance
     tells = added < _MOST_ADDED * np.trace(fits.covariance[some], axis1=1, axis2=2)
     slopes[some[tells]] = around[tells]
     return slopes
+
+
+def _nearest(place: Pixels, count: int) -> Int64[np.ndarray, "n count"]:
+    """Return the numbers of the nearest places of each place, itself among them; by parts, for memory."""
+    parts = []
+    for first in range(0, len(place), _TOGETHER):
+        apart = ((place[first : first + _TOGETHER, None] - place) ** 2).sum(axis=2)
+        parts.append(np.argpartition(apart, count - 1, axis=1)[:, :count])
+    return np.concatenate(parts)
 
 
 def _planes(
