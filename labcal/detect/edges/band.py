@@ -37,14 +37,15 @@ def pixels_around(
     least, most = nearest**2, farthest**2
     edge_least, edge_most = max(1.0 - wide, 0.0) ** 2, (1.0 + wide) ** 2
     flat_least, flat_most = max(1.0 - flat, 0.0) ** 2, (1.0 + flat) ** 2
-    box = max(bottom - top + 1, 0) * max(right - left + 1, 0) + 1  # with room for one that is not used
+    across = max(right - left + 1, 0)
+    box = max(bottom - top + 1, 0) * across + 1  # with room for one that is not used
     pixels = np.empty((3, box))
     xs, ys, values = pixels[0], pixels[1], pixels[2]
-    of_edge, of_flat = np.empty(right - left + 1, dtype=np.int64), np.empty(right - left + 1, dtype=np.int64)
+    of_edge, of_flat = np.empty(across, dtype=np.int64), np.empty(across, dtype=np.int64)
     count, after = 0, box
     for y in range(top, bottom + 1):
         dy = y - state[1]
-        for column in range(right - left + 1):
+        for column in range(across):
             dx = left + column - state[0]
             u, v = a * dx + b * dy, b * dx + c * dy
             rho2 = u * u + v * v
@@ -56,7 +57,7 @@ def pixels_around(
             of_edge[column] = edge
             of_flat[column] = used & ~edge & (flat_least <= rho2) & (rho2 <= flat_most)
         # A pixel is written to one of both ends, where the next one follows if it is used: without a branch.
-        row = grey[y, left : right + 1]
+        row = grey[y, left : left + across]
         for column in range(len(row)):
             at = count * of_edge[column] + (after - 1) * (1 - of_edge[column])
             xs[at], ys[at], values[at] = left + column, y, row[column]
