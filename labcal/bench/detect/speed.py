@@ -5,7 +5,7 @@ import numpy as np
 
 from labcal.bench.detect.opencv_grid import MODES, blob_detector
 from labcal.bench.detect.speed_boards import board_findings
-from labcal.bench.detect.timing import Call, Times, one_thread_of_opencv, times_in_turn
+from labcal.bench.detect.timing import Call, Times, times_in_turn
 from labcal.bench.groups import Bench, Findings
 from labcal.bench.held_board import tilted_pose
 from labcal.cameras.camera import Camera
@@ -15,6 +15,7 @@ from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.report.bench import Figure, at_most
 from labcal.rng import generator
+from labcal.run.threads import one_opencv_thread
 from labcal.targets.grid import DotGrid, Rings
 
 SIZE, LARGE = (1280, 960), (5472, 3648)
@@ -53,7 +54,7 @@ def speed_findings(bench: Bench) -> Findings:
         return detect_dots(picture, TARGET)
 
     found = own()
-    with one_thread_of_opencv():
+    with one_opencv_thread():
         fastest = fastest_of_opencv((picture, plain))
         ours, theirs = times_in_turn((own, fastest), rounds)
     _, in_threads = times_in_turn((own, fastest), rounds)

@@ -5,12 +5,13 @@ from collections.abc import Callable
 import cv2
 import numpy as np
 
-from labcal.bench.detect.timing import Times, one_thread_of_opencv, times_in_turn
+from labcal.bench.detect.timing import Times, times_in_turn
 from labcal.bench.groups import Findings
 from labcal.bench.marks.drawn_picture import tilted
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.report.bench import Check, Figure, at_most
+from labcal.run.threads import one_opencv_thread
 from labcal.targets.april_grid import AprilGrid
 from labcal.targets.catalogue import AnyTarget, load_target
 from labcal.targets.charuco import CharucoBoard
@@ -67,7 +68,7 @@ def _times(picture: np.ndarray, board: AnyTarget, rounds: int) -> tuple[Times, T
         return opencv(picture)
 
     found = own().ok.sum() >= LEAST_FOUND * board.count
-    with one_thread_of_opencv():
+    with one_opencv_thread():
         found = bool(found and other() > 0)
         mine, theirs = times_in_turn((own, other), rounds)
     return mine, theirs, found

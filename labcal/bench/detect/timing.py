@@ -1,11 +1,9 @@
 """Times of calls on one picture, taken in turn, on one thread."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 Call = Callable[[], object]
@@ -40,14 +38,3 @@ def times_in_turn(calls: Sequence[Call], rounds: int) -> list[Times]:
             call()
             taken[which, number] = time.process_time() - cpu, time.perf_counter() - wall
     return [Times(one[:, 0], one[:, 1]) for one in taken]
-
-
-@contextmanager
-def one_thread_of_opencv() -> Iterator[None]:
-    """Let OpenCV compute in one thread, as labcal does."""
-    before = cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        cv2.setNumThreads(before)

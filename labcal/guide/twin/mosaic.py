@@ -44,4 +44,5 @@ def behind_mosaic(light: Sequence[Float32[np.ndarray, "h w"]]) -> list[Float32[n
 
 def green_behind_mosaic(behind: BlurredShare) -> BlurredShare:
     """Return a share of paper as green shows it behind a Bayer mosaic; its derivatives stay as they are."""
-    return replace(behind, share=behind_mosaic([behind.share] * _COLOURS)[1])
+    # A mosaic before something grey changes nothing: all colours are alike.
+    return replace(behind, share=np.ascontiguousarray(demosaic(behind.share)[..., 1]))

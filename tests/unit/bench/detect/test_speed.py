@@ -6,9 +6,10 @@ import pytest
 
 from labcal.bench.detect.speed import SIZE, TARGET, drawn_board, fastest_of_opencv
 from labcal.bench.detect.speed_boards import BOARDS, SIZES, drawn_print
-from labcal.bench.detect.timing import Times, one_thread_of_opencv, times_in_turn
+from labcal.bench.detect.timing import Times, times_in_turn
 from labcal.detect.detector import detect_dots
 from labcal.rng import generator
+from labcal.run.threads import one_opencv_thread
 from labcal.targets.catalogue import load_target
 
 MOST_OF_OPENCV = 0.95
@@ -29,7 +30,7 @@ def test_the_ratio_is_of_the_least_times() -> None:
 
 def test_opencv_has_its_threads_again_afterwards() -> None:
     before = cv2.getNumThreads()
-    with one_thread_of_opencv():
+    with one_opencv_thread():
         assert cv2.getNumThreads() == 1
     assert cv2.getNumThreads() == before
 
@@ -49,7 +50,7 @@ def test_dots_take_no_longer_than_find_circles_grid() -> None:
     random = generator(0, "test", "speed")
     picture, plain = drawn_board(SIZE, random), drawn_board(SIZE, random, hole=0.0)
     detect_dots(picture, TARGET)  # compiled by now
-    with one_thread_of_opencv():
+    with one_opencv_thread():
         fastest = fastest_of_opencv((picture, plain))
         own, other = times_in_turn((lambda: detect_dots(picture, TARGET), fastest), 15)
     assert own.over(other) < MOST_OF_OPENCV
