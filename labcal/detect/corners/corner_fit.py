@@ -23,11 +23,9 @@ from labcal.detect.corners.corner_window import (
     near_edges,
     window_arrays,
 )
+from labcal.detect.corners.first_state import write_first_state
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
-
-_DARK, _LIGHT = 0.1, 0.9
-"""Shares of a window's pixels that are darker than its black and white levels, to begin with."""
 
 
 class FirstLimits(NamedTuple):
@@ -164,13 +162,7 @@ def _begin(state: np.ndarray, value: np.ndarray, first: tuple[np.ndarray, float,
     # The edge along y separates left from right: its normal points to the board's right; likewise the other.
     right = 1.0 if bx * ay - by * ax > 0.0 else -1.0
     up = white if ay * bx - ax * by > 0.0 else -white
-    state[:2] = 0.0
-    state[2], state[3] = atan2(right * bx, -right * by), atan2(-up * ax, up * ay)
-    state[4], state[5] = blur, blur
-    levels = np.sort(value)
-    black, level = levels[int(_DARK * (len(levels) - 1))], levels[int(_LIGHT * (len(levels) - 1))]
-    state[6], state[7] = 0.5 * (black + level), 0.5 * (level - black)
-    state[8:] = 0.0
+    write_first_state(state, (atan2(right * bx, -right * by), atan2(-up * ax, up * ay)), value, blur)
 
 
 def widen(

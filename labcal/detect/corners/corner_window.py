@@ -67,6 +67,16 @@ def narrowest(axes: np.ndarray) -> float:
 
 
 @compiled
+def pixel_box(
+    shape: tuple[int, int], centre: np.ndarray, across: float, down: float
+) -> tuple[int, int, int, int]:
+    """Return the first column and row of the pixels so far from a centre at most, and how many there are."""
+    left, top = max(ceil(centre[0] - across), 0), max(ceil(centre[1] - down), 0)
+    right, bottom = min(floor(centre[0] + across), shape[1] - 1), min(floor(centre[1] + down), shape[0] - 1)
+    return left, top, max(right - left + 1, 0), max(bottom - top + 1, 0)
+
+
+@compiled
 def window_arrays(
     grey: np.ndarray, place: tuple[np.ndarray, np.ndarray], limits: WindowLimits, guard: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -75,13 +85,10 @@ def window_arrays(
     `place` holds the corner's centre and axes.
     """
     centre, axes = place
-    height, width = grey.shape
     x, y, reach = centre[0], centre[1], limits.reach
     across = min(reach, limits.share * (abs(axes[0, 0]) + abs(axes[0, 1])))
     down = min(reach, limits.share * (abs(axes[1, 0]) + abs(axes[1, 1])))
-    left, top = max(ceil(x - across), 0), max(ceil(y - down), 0)
-    right, bottom = min(floor(x + across), width - 1), min(floor(y + down), height - 1)
-    wide, high = max(right - left + 1, 0), max(bottom - top + 1, 0)
+    left, top, wide, high = pixel_box(grey.shape, centre, across, down)
     mask = np.zeros((high, wide), dtype=np.bool_)
     offset, value = np.empty((2, high * wide)), np.empty(high * wide)
     det = axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0]

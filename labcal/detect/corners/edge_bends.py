@@ -23,6 +23,21 @@ def edge_bends(places: np.ndarray) -> np.ndarray:
     return np.stack([_smooth(_bends(places, axis)) for axis in (0, 1)], axis=2)
 
 
+def across_edges(bends: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return how much the edges of fits bend towards their normals, 1/px, shape (n, 2).
+
+    Parameters
+    ----------
+    bends : ndarray, shape (n, 2, 2)
+        Vectors of curvature along x and along y.
+    states : ndarray, shape (n, PARAMETERS)
+        Of the fits.
+    """
+    # The first normal is that of the edge along y, the second one that of the edge along x.
+    normals = np.stack([np.cos(states[:, 2:4]), np.sin(states[:, 2:4])], axis=-1)
+    return np.asarray((normals * bends[:, ::-1]).sum(axis=-1))
+
+
 def _smooth(bends: np.ndarray) -> np.ndarray:
     """Return the medians of curvatures (a, b, 2) around every node, as near by as there are any."""
     smooth = median_around(bends, _NEAR[0])

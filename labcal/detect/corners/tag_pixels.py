@@ -1,11 +1,12 @@
 """Pixels of the fit of a tag's corner on an AprilGrid: along the four edges that meet, in compiled code."""
 
-from math import ceil, floor, hypot
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
 
 from labcal.detect.compiled import compiled
+from labcal.detect.corners.corner_window import pixel_box
 
 _LEAST_WHITE = 0.3
 """Share of the white space beside a tag that counts in any case."""
@@ -45,7 +46,6 @@ def tag_pixels(
     space, or of an edge.
     """
     centre, edges = place
-    height, width = grey.shape
     x, y = centre[0], centre[1]
     det = edges[0, 0] * edges[1, 1] - edges[0, 1] * edges[1, 0]
     first, second = tag_heights(edges)
@@ -55,9 +55,7 @@ def tag_pixels(
     least_second = -max(min(most, form.gap - guard_px / second), _LEAST_WHITE * form.gap)
     across = min(form.reach, form.share * (abs(edges[0, 0]) + abs(edges[0, 1])))
     down = min(form.reach, form.share * (abs(edges[1, 0]) + abs(edges[1, 1])))
-    left, top = max(ceil(x - across), 0), max(ceil(y - down), 0)
-    right, bottom = min(floor(x + across), width - 1), min(floor(y + down), height - 1)
-    wide, high = max(right - left + 1, 0), max(bottom - top + 1, 0)
+    left, top, wide, high = pixel_box(grey.shape, centre, across, down)
     mask = np.zeros((high, wide), dtype=np.bool_)
     offset, value = np.empty((2, high * wide)), np.empty(high * wide)
     n = 0

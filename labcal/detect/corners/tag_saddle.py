@@ -11,6 +11,7 @@ from labcal.detect.corners.corner_fit import SettledCorner, settle
 from labcal.detect.corners.corner_kernel import CHESSBOARD, PARAMETERS, FitLimits, settled
 from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.corners.corner_window import near_edges
+from labcal.detect.corners.first_state import write_first_state
 from labcal.detect.corners.tag_cell_light import cell_light
 from labcal.detect.corners.tag_pixels import TagForm, tag_heights, tag_pixels
 from labcal.detect.grey import GreyPicture
@@ -24,8 +25,6 @@ _TO_MIDDLE, _WIDE_TO_MIDDLE = 0.48, 0.5
 """Reach along an edge, of the distance to the next corner on it: of the first fit, of the second one."""
 _LEAST_REACH_PX = 8.0
 """Of a first fit: with less, a small tag has too few pixels. The second one knows how the edges bend."""
-_DARK, _LIGHT = 0.1, 0.9
-"""Shares of a window's pixels that are darker than its black and white levels, to begin with."""
 
 
 class _FirstLimits(NamedTuple):
@@ -181,13 +180,8 @@ def _begin(state: np.ndarray, value: np.ndarray, edges: np.ndarray, blur: float)
     ax, ay, bx, by = edges[0, 0], edges[1, 0], edges[0, 1], edges[1, 1]
     inward = 1.0 if bx * ay - by * ax > 0.0 else -1.0
     outward = -1.0 if ay * bx - ax * by > 0.0 else 1.0
-    state[:2] = 0.0
-    state[2], state[3] = atan2(inward * bx, -inward * by), atan2(-outward * ax, outward * ay)
-    state[4], state[5] = blur, blur
-    levels = np.sort(value)
-    black, level = levels[int(_DARK * (len(levels) - 1))], levels[int(_LIGHT * (len(levels) - 1))]
-    state[6], state[7] = 0.5 * (black + level), 0.5 * (level - black)
-    state[8:] = 0.0
+    normals = atan2(inward * bx, -inward * by), atan2(-outward * ax, outward * ay)
+    write_first_state(state, normals, value, blur)
 
 
 def widened_tag_saddle(

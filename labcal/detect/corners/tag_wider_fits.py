@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import SettledCorner, with_known_light
-from labcal.detect.corners.node_grid import NodeGrid, around, median_around
+from labcal.detect.corners.corner_fit import SettledCorner
+from labcal.detect.corners.edge_bends import across_edges
+from labcal.detect.corners.known_light import known_light_fits, light_slopes
+from labcal.detect.corners.node_grid import NodeGrid, median_around
 from labcal.detect.corners.tag_saddle import TagSaddle, widened_tag_saddle
 from labcal.detect.corners.tag_tone import tone_free_fits
 from labcal.detect.grey import GreyPicture
@@ -17,10 +19,8 @@ _NEAR = 1
 """Nodes to either side whose curvatures have one median, against the corners' noise."""
 _LINE_NODES, _FEWEST_ON_LINE = 2, 4
 """Nodes to either side that tell the curvature of a line, and the fewest that do."""
-_LIGHT_NODES, _FEWEST = 2, 6
+_LIGHT_NODES, _FEWEST = (2,), 6
 """Nodes to either side whose white levels tell the slope of the light, and the fewest that do."""
-_FLAT = 1e-6
-"""Least determinant of the normal equations, scaled, of nodes that are not on one line."""
 
 
 def wider_tag_fits(
@@ -64,14 +64,10 @@ def wider_tag_fits(
     final = {node: fit for k, (node, fit) in enumerate(fits.items()) if np.isnan(bends[k]).any()}
     if not wide:
         return tone_free_fits(final, settings)
-    bends, slopes = _bends(wide), _slopes(wide)
-    for k, (node, one) in enumerate(wide.items()):
-        if np.isnan(bends[k]).any() or np.isnan(slopes[k]).any():
-            final[node] = fits[node]
-            continue
-        known = with_known_light(one, slopes[k], bends[k], settings)
-        if known is not None:
-            final[node] = known
+    grid, places = NodeGrid.of(list(wide)), np.array([one.centre for one in wide.values()])
+    white = np.array([one.state[6] + one.state[7] for one in wide.values()])
+    slopes = light_slopes(grid, places, np.where(white > 0.0, white, np.nan), (_LIGHT_NODES, _FEWEST))
+    final |= known_light_fits(fits, wide, (slopes, _bends(wide)), settings)
     return tone_free_fits(final, settings)
 
 
@@ -81,9 +77,7 @@ def _bends(fits: Mapping[Node, SettledCorner]) -> np.ndarray:
     states = np.array([fit.state for fit in fits.values()])
     spread = grid.spread(places)
     bends = np.stack([median_around(_curvatures(spread, axis), _NEAR) for axis in (0, 1)], axis=2)[grid.at]
-    # The first normal is that of the edge across the row, the second one that of the edge along it.
-    normals = np.stack([np.cos(states[:, 2:4]), np.sin(states[:, 2:4])], axis=-1)
-    return np.asarray((normals * bends[:, ::-1]).sum(axis=-1))
+    return across_edges(bends, states)
 
 
 def _curvatures(places: np.ndarray, axis: int) -> np.ndarray:
@@ -116,23 +110,3 @@ def _curvatures(places: np.ndarray, axis: int) -> np.ndarray:
         right = np.einsum("kabi,kab->abi", design, across)[enough]
         bend[enough] = np.linalg.solve(gram, right[..., None])[:, 2, 0] / scale[enough] ** 2
     return np.asarray(normal * bend[..., None])
-
-
-def _slopes(fits: Mapping[Node, SettledCorner]) -> np.ndarray:
-    """Return the slope of the light at corners, 1/px, shape (n, 2); NaN where too few are around."""
-    grid, places = NodeGrid.of(list(fits)), np.array([fit.centre for fit in fits.values()])
-    white = np.array([fit.state[6] + fit.state[7] for fit in fits.values()])
-    level = np.log(np.where(white > 0.0, white, np.nan))
-    near = around(grid.spread(np.concatenate([places, level[:, None]], axis=1)), _LIGHT_NODES)
-    near = near[:, *grid.at]
-    known = np.isfinite(near[..., 2])
-    away = np.where(known[..., None], near[..., :2] - places, 0.0)
-    scale = np.maximum(np.abs(away).max(axis=(0, 2)), 1.0)
-    design = np.concatenate([known[..., None].astype(np.float64), away / scale[:, None]], axis=-1)
-    normal = np.einsum("kni,knj->nij", design, design)
-    right = np.einsum("kni,kn->ni", design, np.where(known, near[..., 2], 0.0))
-    enough = (known.sum(axis=0) >= _FEWEST) & (np.linalg.det(normal) > _FLAT)
-    slopes = np.full((len(places), 2), np.nan)
-    if enough.any():
-        slopes[enough] = np.linalg.solve(normal[enough], right[enough][..., None])[:, 1:, 0]
-    return np.asarray(slopes / scale[:, None])

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import SettledCorner, widen, with_known_light
+from labcal.detect.corners.corner_fit import SettledCorner, widen
 from labcal.detect.corners.corner_window import Surroundings
-from labcal.detect.corners.edge_bends import edge_bends
-from labcal.detect.corners.node_grid import NodeGrid, ahead, around, behind, median_around
+from labcal.detect.corners.edge_bends import across_edges, edge_bends
+from labcal.detect.corners.known_light import known_light_fits, light_slopes
+from labcal.detect.corners.node_grid import NodeGrid, ahead, behind, median_around
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -52,7 +53,7 @@ def wider_fits(
     nodes = list(fits)
     grid, places = NodeGrid.of(nodes), np.array([fit.centre for fit in fits.values()])
     states = np.array([fit.state for fit in fits.values()])
-    bends = _across(edge_bends(grid.spread(places))[grid.at], states)
+    bends = across_edges(edge_bends(grid.spread(places))[grid.at], states)
     steps = _steps(grid.spread(places), grid.spread(np.array([surroundings[node].axes for node in nodes])))
     steps = steps[grid.at]
     wide: dict[Node, SettledCorner] = {}
@@ -78,26 +79,10 @@ def wider_fits(
         return final
     grid, places = NodeGrid.of(list(wide)), np.array([one.centre for one in wide.values()])
     states = np.array([one.state for one in wide.values()])
-    bends = _across(edge_bends(grid.spread(places))[grid.at], states)
-    slopes = _slopes(grid, places, wide)
-    for k, (node, one) in enumerate(wide.items()):
-        if np.isnan(bends[k]).any() or np.isnan(slopes[k]).any():
-            final[node] = fits[node]
-            continue
-        known = with_known_light(one, slopes[k], bends[k], settings)
-        if known is not None:
-            final[node] = known
-    return final
-
-
-def _across(bends: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Return how much the edges of fits bend towards their normals, 1/px, shape (n, 2).
-
-    `bends` (n, 2, 2) holds their vectors of curvature along x and along y.
-    """
-    # The first normal is that of the edge along y, the second one that of the edge along x.
-    normals = np.stack([np.cos(states[:, 2:4]), np.sin(states[:, 2:4])], axis=-1)
-    return np.asarray((normals * bends[:, ::-1]).sum(axis=-1))
+    bends = across_edges(edge_bends(grid.spread(places))[grid.at], states)
+    white = np.array([max(one.state[6] + one.state[7], _DARKEST) for one in wide.values()])
+    slopes = light_slopes(grid, places, white, (_LIGHT_NODES, _FEWEST))
+    return final | known_light_fits(fits, wide, (slopes, bends), settings)
 
 
 def _clear(wide: dict[Node, SettledCorner], factor: float) -> dict[Node, SettledCorner]:
@@ -107,38 +92,6 @@ def _clear(wide: dict[Node, SettledCorner], factor: float) -> dict[Node, Settled
     grid, roughness = NodeGrid.of(list(wide)), np.array([one.roughness for one in wide.values()])
     usual = median_around(grid.spread(roughness), _ROUGH_NODES)[grid.at]
     return {node: wide[node] for node, ok in zip(wide, roughness <= factor * usual, strict=True) if ok}
-
-
-def _slopes(grid: NodeGrid, places: np.ndarray, fits: dict[Node, SettledCorner]) -> np.ndarray:
-    """Return the slope of the light at corners, 1/px, shape (n, 2): that of the white level around each.
-
-    It is the slope of the level's logarithm, by which light far from even falls in a straight line: a corner
-    at the rim of the board has the others on one side only. NaN where there are too few fits around; as many
-    as are enough are never on one line.
-    """
-    white = np.log([max(fit.state[6] + fit.state[7], _DARKEST) for fit in fits.values()])
-    levels = grid.spread(np.concatenate([places, white[:, None]], axis=1))
-    slopes = np.full((len(places), 2), np.nan)
-    for reach in _LIGHT_NODES:
-        missing = np.isnan(slopes[:, 0])
-        if missing.any():
-            near = around(levels, reach)[:, *grid.at]
-            slopes[missing] = _slopes_of(near[:, missing], places[missing])
-    return slopes
-
-
-def _slopes_of(near: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return slopes at corners (n, 2) from the places and levels (k, n, 3) near each, NaN for too few."""
-    known = np.isfinite(near[..., 2])
-    away = np.where(known[..., None], near[..., :2] - places, 0.0)
-    design = np.concatenate([known[..., None].astype(np.float64), away], axis=-1)
-    normal = np.einsum("kni,knj->nij", design, design)
-    right = np.einsum("kni,kn->ni", design, np.where(known, near[..., 2], 0.0))
-    enough = known.sum(axis=0) >= _FEWEST
-    slopes = np.full((len(places), 2), np.nan)
-    if enough.any():
-        slopes[enough] = np.linalg.solve(normal[enough], right[enough][..., None])[:, 1:, 0]
-    return slopes
 
 
 def _steps(places: np.ndarray, usual: np.ndarray) -> np.ndarray:
