@@ -5,15 +5,15 @@ import time
 import numpy as np
 
 from labcal.bench.boards.april_grid_picture import AprilGridPicture, april_grid_picture
-from labcal.bench.boards.chessboards import (
-    BOUNDS,
-    OFF_SQUARES,
+from labcal.bench.boards.board_checks import board_checks, time_check
+from labcal.bench.boards.board_outcome import (
     PICTURES,
     QUICK_PICTURES,
-    ROUNDING,
     BoardOutcome,
-    chessboard_checks,
+    board_outcome,
+    true_corners,
 )
+from labcal.bench.boards.chessboards import BOUNDS, WEIGHTED, weighted_noises
 from labcal.bench.boards.corner_bound import ImagedTagCorner, corner_bounds
 from labcal.bench.boards.opencv_tags import WAYS, opencv_tags
 from labcal.bench.groups import Bench, Findings
@@ -36,7 +36,9 @@ def april_grid_findings(bench: Bench) -> Findings:
         random = generator(bench.seed, "bench boards", f"corners of april grid {number}")
         outcomes.append(april_grid_outcome(picture, random))
         bench.progress.advance()
-    return chessboard_checks(f"{count} pictures of AprilGrids", outcomes, MOST_TIME)
+    name = f"{count} pictures of AprilGrids"
+    found = board_checks(name, outcomes, WEIGHTED)
+    return Findings([*found.checks, time_check(name, WAYS[0], outcomes, MOST_TIME)], found.references)
 
 
 def april_grid_outcome(picture: AprilGridPicture, random: np.random.Generator) -> BoardOutcome:
@@ -56,45 +58,15 @@ def april_grid_outcome(picture: AprilGridPicture, random: np.random.Generator) -
     began = time.process_time()
     dots = detect_dots(picture.picture, picture.board)
     seconds = {"labcal": time.process_time() - began}
-    place, covariance = np.full(picture.corner.shape, np.nan), np.full((len(picture.corner), 2, 2), np.nan)
-    number = dots.index[dots.ok, 1] * picture.board.cols + dots.index[dots.ok, 0]
-    place[number], covariance[number] = dots.position[dots.ok], dots.covariance[dots.ok]
-    off = place - picture.corner
-    measured = np.isfinite(off).all(axis=1)
-    near = OFF_SQUARES * np.array([picture.gap_px(k) for k in range(len(off))])
-    seen = np.flatnonzero(measured & picture.visible)
-    some = np.sort(random.permutation(seen)[:BOUNDS])
-    bounds = np.array([_bounds(picture, k) for k in some.tolist()]).reshape(-1, 2, 2, 2)
-    opencv, own = {}, {}
+    gap = np.array([picture.gap_px(k) for k in range(len(picture.corner))])
+    truth = true_corners(picture, gap, picture.board.cols, (lambda k: _bounds(picture, k), BOUNDS))
+    opencv = {}
     for way in WAYS:
         began = time.process_time()
         theirs = opencv_tags(picture.picture, picture.board, way)
         seconds[way] = time.process_time() - began
-        nearest = _nearest(theirs, picture, near)
-        both = np.isfinite(nearest).all(axis=1) & measured & picture.visible
-        opencv[way], own[way] = nearest[both] - picture.corner[both], off[both]
-    return BoardOutcome(
-        indexed=dots.indexed,
-        wrong=int((measured & (np.linalg.norm(off, axis=1) > near)).sum()),
-        missed=int((picture.visible & ~measured).sum()),
-        error=off[some],
-        covariance=covariance[some],
-        bound=bounds[:, 0],
-        sharper_bound=bounds[:, 1],
-        opencv=opencv,
-        own=own,
-        seconds=seconds,
-    )
-
-
-def _nearest(corners: np.ndarray, picture: AprilGridPicture, near: np.ndarray) -> np.ndarray:
-    """Return the found corner nearest to each true one, up to so far away (n,), px; NaN where none is."""
-    found = np.full((len(picture.corner), 2), np.nan)
-    if len(corners):
-        away = np.linalg.norm(picture.corner[:, None] - corners[None], axis=-1)
-        some = away.min(axis=1) < near
-        found[some] = corners[away.argmin(axis=1)[some]]
-    return found
+        opencv[way] = truth.nearest(theirs)
+    return board_outcome(truth, dots, opencv, seconds, random)
 
 
 def _bounds(picture: AprilGridPicture, number: int) -> np.ndarray:
@@ -106,6 +78,4 @@ def _bounds(picture: AprilGridPicture, number: int) -> np.ndarray:
         centre, picture.axes(number), exposure.blur_px, INK * light, PAPER * light,
         gap=grid.tag_spacing, border=grid.border_cells / cells,
     )  # fmt: skip
-    ink, paper = (exposure.noise**2 * light * level + ROUNDING for level in (INK, PAPER))
-    mean = 0.5 * (ink + paper)
-    return corner_bounds(corner, np.sqrt([[mean, mean], [ink, paper]]))
+    return corner_bounds(corner, weighted_noises(exposure.noise, light))

@@ -1,14 +1,19 @@
 """Drawn pictures of ChArUco boards over all difficulties of detection, with the truth of every corner."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from labcal.arrays import Mask, Pixels
-from labcal.bench.boards.board_view import random_cover, random_view
+from labcal.bench.boards.board_view import (
+    MOST_TRIES,
+    BoardPicture,
+    Limits,
+    axes_at,
+    blurred_view,
+    random_view,
+)
 from labcal.bench.boards.charuco_ink import charuco_ink
-from labcal.bench.boards.chessboard_picture import BLUR_PX, CLEAR_PX, FRAME_PX, IN_SIGHT, MOST_TRIES, SIZE
-from labcal.bench.marks.drawn_picture import Exposure, drawn
+from labcal.bench.marks.drawn_picture import drawn
 from labcal.rng import generator
 from labcal.targets.charuco import CharucoBoard, MarkerDictionary, Pattern
 
@@ -28,39 +33,12 @@ FINE = CharucoBoard(
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class CharucoPicture:
-    """A picture, and the corners of its board.
-
-    Attributes
-    ----------
-    picture : ndarray of uint8, shape (h, w)
-    board : CharucoBoard
-    exposure : Exposure
-        How it was taken.
-    corner : ndarray, shape (n, 2)
-        Images of all corners, in the order of the board's indices, px.
-    visible : ndarray of bool, shape (n,)
-        True if a corner can be measured: within the frame, nothing over it or the edges that meet there.
-    """
-
-    picture: np.ndarray
-    board: CharucoBoard
-    exposure: Exposure
-    corner: Pixels
-    visible: Mask
-
-    @property
-    def countable(self) -> bool:
-        """True if half of the corners are in sight, so that the picture should be indexed."""
-        return bool(self.visible.mean() >= IN_SIGHT)
+class CharucoPicture(BoardPicture[CharucoBoard]):
+    """A picture of a ChArUco board."""
 
     def axes(self, number: int) -> np.ndarray:
         """Return one square along x and y at a corner, px, in columns."""
-        x, y = self.board.points()[number, :2]
-        q, H = self.corner[number], self.exposure.H
-        w = H[2] @ [x, y, 1.0]
-        return np.asarray(self.board.square_mm * (H[:2, :2] - q[:, None] * H[2, :2]) / w)
+        return np.asarray(self.board.square_mm * axes_at(self.exposure, self.board.points()[number, :2]))
 
 
 def charuco_picture(number: int, seed: int) -> CharucoPicture:
@@ -98,20 +76,10 @@ def _drawn_once(board: CharucoBoard, random: np.random.Generator) -> CharucoPict
         np.zeros((0, 0), dtype=np.uint8), board, sharp, corner, np.ones(len(corner), bool)
     )
     axes = np.array([picture.axes(k) for k in range(len(corner))])
-    lengths = np.linalg.norm(axes, axis=1).max(axis=1)
-    heights = np.abs(np.linalg.det(axes)) / lengths
-    last = np.array(SIZE) - 1.0 - FRAME_PX
-    inside = np.asarray(((corner > FRAME_PX) & (corner < last)).all(axis=1))
-    if inside.mean() < IN_SIGHT or heights[inside].min() < NARROWEST_PX:
+    view = blurred_view(sharp, corner, axes, Limits(NARROWEST_PX, MOST_BLUR_SHARE), random)
+    if view is None:
         return None
-    most = max(BLUR_PX[0], min(BLUR_PX[1], MOST_BLUR_SHARE * float(heights[inside].min())))
-    exposure = replace(sharp, blur_px=float(random.uniform(BLUR_PX[0], most)))
-    cover = random_cover(corner[inside], random)
-    visible = inside.copy()
-    if cover is not None:
-        visible &= cover.distance(corner) > CLEAR_PX + 2.0 * exposure.blur_px + 0.5 * lengths
-    picture = replace(picture, exposure=exposure, visible=visible)
+    picture = replace(picture, exposure=view.exposure, visible=view.visible)
     if not picture.countable:
         return None
-    covers = () if cover is None else (cover,)
-    return replace(picture, picture=drawn(exposure, charuco_ink(board), covers, random))
+    return replace(picture, picture=drawn(view.exposure, charuco_ink(board), view.covers, random))

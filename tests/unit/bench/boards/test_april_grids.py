@@ -5,7 +5,8 @@ import pytest
 
 from labcal.bench.boards.april_grid_ink import april_grid_ink
 from labcal.bench.boards.april_grid_picture import KALIBR, AprilGridPicture, april_grid_picture
-from labcal.bench.boards.chessboards import BoardOutcome, chessboard_checks
+from labcal.bench.boards.board_checks import board_checks, time_check
+from labcal.bench.boards.board_outcome import BoardOutcome
 from labcal.bench.boards.corner_bound import ImagedTagCorner, corner_bounds
 from labcal.bench.marks.drawn_picture import Exposure
 from labcal.targets.april_grid_outlines import tag_cells
@@ -67,12 +68,13 @@ def test_a_way_of_opencv_that_finds_nothing_has_no_ratio() -> None:
     random = np.random.default_rng(0)
     error, eye = random.standard_normal((40, 2)), np.tile(np.eye(2), (40, 1, 1))
     outcome = BoardOutcome(
-        indexed=True, wrong=0, missed=0, error=error, covariance=eye, bound=eye, sharper_bound=eye,
+        indexed=True, wrong=0, missed=0, error=error, covariance=eye, bound=eye, second_bound=eye,
         opencv={"one": 3.0 * error, "other": np.zeros((0, 2))},
         own={"one": error, "other": np.zeros((0, 2))},
         seconds={"labcal": 0.1, "one": 0.1, "other": 0.1},
     )  # fmt: skip
-    checks = {one.name: one for one in chessboard_checks("x", [outcome], 2.0).checks}
+    found = [*board_checks("x", [outcome], "another fit").checks, time_check("x", "one", [outcome], 2.0)]
+    checks = {one.name: one for one in found}
     assert all(one.ok for one in checks.values())
     assert "x: RMS error over that of one" in checks
     assert "x: RMS error over that of other" not in checks

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
+from labcal.bench.boards.board_checks import board_checks
 from labcal.bench.boards.cell_print import cell_ink
 from labcal.bench.boards.charuco_ink import charuco_ink
 from labcal.bench.boards.charuco_picture import COARSE, FINE, charuco_picture
-from labcal.bench.boards.charucos import charuco_checks, charuco_outcome
+from labcal.bench.boards.charucos import EDGES, charuco_outcome
 from labcal.bench.boards.corner_bound import ImagedCorner, corner_bounds
 from labcal.bench.boards.printed_corner_bound import PrintedCorner, printed_corner_bounds, printed_share
 from labcal.bench.marks.drawn_picture import INK, PAPER, Exposure, drawn
@@ -109,6 +110,6 @@ def test_a_picture_of_a_board_is_measured_and_its_checks_have_names() -> None:
     assert outcome.indexed
     assert outcome.wrong == 0
     assert len(outcome.error) == 10
-    names = [check.name for check in charuco_checks("one", [outcome]).checks]
+    names = [check.name for check in board_checks("one", [outcome], EDGES).checks]
     assert names[:2] == ["one: share not indexed", "one: wrong ids"]
     assert sum("detectBoard" in name for name in names) == 2
