@@ -1,6 +1,6 @@
 """Corners of tags without the shift of edges by a tone curve or by ink that has spread."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -43,16 +43,16 @@ def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings)
         Without those that do not converge.
     """
     found, total = dict(fits), dict.fromkeys(fits, 0.0)
-    left = np.array([_curve(fit) for fit in found.values()])
-    if not _is_distinct(left):
-        return found
-    for _ in range(_ROUNDS):
+    for number in range(_ROUNDS):
+        bumps, curves = _bumps_and_curves(found.values())
+        if number == 0 and not _is_distinct(curves):
+            break
         grid = NodeGrid.of(list(found))
-        near = median_around(grid.spread(left), _NEAR)[grid.at]
+        near = median_around(grid.spread(curves), _NEAR)[grid.at]
         refitted = {}
-        for (node, fit), curve in zip(found.items(), near.tolist(), strict=True):
+        for (node, fit), bump, curve in zip(found.items(), bumps, near.tolist(), strict=True):
             total[node] += curve
-            plain = fits[node].window.value - total[node] * _bump(fit)
+            plain = fits[node].window.value - total[node] * bump
             state, window = fit.state.copy(), replace(fit.window, value=plain)
             rms = settle(state, window, settings.tolerance_px, settings, fit.free)
             if rms >= 0.0 and state[7] > 0.0:
@@ -62,7 +62,6 @@ def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings)
         found = refitted
         if not found:
             break
-        left = np.array([_curve(fit) for fit in found.values()])
     return found
 
 
@@ -75,17 +74,20 @@ def _is_distinct(curves: np.ndarray) -> bool:
     return bool(abs(middle) * np.sqrt(len(curves)) > _SIGMAS * _MEDIAN_SHARE * spread)
 
 
-def _bump(fit: SettledCorner) -> np.ndarray:
-    """Return ``h (1 - X^2)`` at the pixels of a fit, shape (n,), grey values."""
-    light = 1.0 + fit.state[8:] @ fit.window.offset
-    return np.asarray(light * fit.state[7] * (1.0 - linearise(fit.state, fit.window).board ** 2))
+def _bumps_and_curves(fits: Iterable[SettledCorner]) -> tuple[list[np.ndarray], np.ndarray]:
+    """Return ``h (1 - X^2)`` at the pixels of each fit, grey values, and by how much its c differs from 0.
 
-
-def _curve(fit: SettledCorner) -> float:
-    """Return by how much c of a fit's pixels differs from 0, by least squares with its free parameters."""
-    linear = linearise(fit.state, fit.window)
-    rows = np.concatenate([linear.jacobian[: fit.free], _bump(fit)[None]])
-    size = np.maximum(np.linalg.norm(rows, axis=1), _RIDGE)
-    rows = rows / size[:, None]
-    normal = rows @ rows.T + _RIDGE * np.eye(len(rows))
-    return float(np.linalg.solve(normal, rows @ linear.residual)[-1] / size[-1])
+    The latter (n,) by least squares with the fit's free parameters.
+    """
+    bumps, curves = [], []
+    for fit in fits:
+        linear = linearise(fit.state, fit.window)
+        light = 1.0 + fit.state[8:] @ fit.window.offset
+        bump = np.asarray(light * fit.state[7] * (1.0 - linear.board**2))
+        rows = np.concatenate([linear.jacobian[: fit.free], bump[None]])
+        size = np.maximum(np.linalg.norm(rows, axis=1), _RIDGE)
+        rows = rows / size[:, None]
+        normal = rows @ rows.T + _RIDGE * np.eye(len(rows))
+        bumps.append(bump)
+        curves.append(float(np.linalg.solve(normal, rows @ linear.residual)[-1] / size[-1]))
+    return bumps, np.array(curves)
