@@ -116,8 +116,8 @@ def _measured(
         There is no such view, or there is no picture.
     """
     from labcal.guide.twin.making import Photographs, chosen_views
-    from labcal.guide.twin.mosaic import shoot_has_mosaic
     from labcal.guide.twin.ray_noise import lamp_variances, rays_of_shoot
+    from labcal.guide.twin.rendered_scene import rendered_scene
 
     if not opened.sources:
         raise InputError("No picture is given. Give a shoot, or pictures.")
@@ -126,9 +126,13 @@ def _measured(
     sources = tuple(source for source in opened.sources if source.view in views)
     rays = None if opened.shoot is None else rays_of_shoot(opened.shoot.folder)
     found = detect(replace(opened, sources=sources), target, workers=how.workers, progress=receiver)
-    lamps = {} if opened.shoot is None or rays is None else lamp_variances(opened.shoot.folder)
-    has_mosaic = opened.shoot is not None and rays is not None and shoot_has_mosaic(opened.shoot.folder)
-    return Photographs(sources, found, rays, lamps, has_mosaic)
+    if opened.shoot is None or rays is None:
+        return Photographs(sources, found)
+    scene = rendered_scene(opened.shoot.folder)
+    if scene is None:
+        return Photographs(sources, found, rays)
+    lamps = lamp_variances(scene, opened.shoot.folder)
+    return Photographs(sources, found, rays, lamps, scene.photometry.bayer)
 
 
 def _page(

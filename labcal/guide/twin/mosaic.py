@@ -6,28 +6,14 @@ those of the rendered laboratory, can be put through it: no other camera tells h
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float32
 
 from labcal.guide.twin.dot_windows import BlurredShare
-from labcal.guide.twin.rendered_scene import rendered_scene
 from labcal.render.demosaic import demosaic, mosaic
 
 _COLOURS = 3
-
-
-def shoot_has_mosaic(folder: Path) -> bool:
-    """Return True if a rendered shoot says that its sensors are behind a Bayer mosaic.
-
-    Parameters
-    ----------
-    folder : Path
-        Of a shoot.
-    """
-    scene = rendered_scene(folder)
-    return scene is not None and scene.photometry.bayer
 
 
 def behind_mosaic(light: Sequence[Float32[np.ndarray, "h w"]]) -> list[Float32[np.ndarray, "h w"]]:

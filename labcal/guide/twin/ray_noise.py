@@ -14,10 +14,10 @@ from jaxtyping import Float32
 
 from labcal.errors import LabcalError
 from labcal.guide.twin.dot_windows import blurred
-from labcal.guide.twin.rendered_scene import rendered_scene
 from labcal.render.paper_share import PaperShare
 from labcal.run.made import PROVENANCE
 from labcal.scene.lamp_choice import lamp_choice_variance
+from labcal.scene.model import Scene
 from labcal.shoot.truth import has_truth, read_truth
 
 _MOST = 65536
@@ -36,16 +36,16 @@ def rays_of_shoot(folder: Path) -> int | None:
     return spp if isinstance(spp, int) and 1 <= spp <= _MOST else None
 
 
-def lamp_variances(folder: Path) -> dict[str, float]:
+def lamp_variances(scene: Scene, folder: Path) -> dict[str, float]:
     """Return the variance of the light of a ray by the choice of lamps, by view; none where nothing tells it.
 
     Parameters
     ----------
+    scene : Scene
     folder : Path
-        Of a rendered shoot.
+        Of a shoot that was rendered of it.
     """
-    scene = rendered_scene(folder)
-    if scene is None or not has_truth(folder):
+    if not has_truth(folder):
         return {}
     try:
         views = read_truth(folder).views

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from labcal.guide.twin.dot_windows import BlurredShare
-from labcal.guide.twin.mosaic import behind_mosaic, green_behind_mosaic, shoot_has_mosaic
+from labcal.guide.twin.mosaic import behind_mosaic, green_behind_mosaic
+from labcal.guide.twin.rendered_scene import rendered_scene
 from labcal.scene.catalogue import load_scene
 
 
@@ -23,11 +24,13 @@ def test_smooth_light_passes_a_mosaic_and_edges_differ() -> None:
 
 
 def test_the_scene_of_a_shoot_tells_of_its_mosaic(tmp_path: Path) -> None:
-    assert not shoot_has_mosaic(tmp_path)
+    assert rendered_scene(tmp_path) is None
     truth = tmp_path / "truth"
     truth.mkdir()
     for name, wanted in (("webcam-handheld", True), ("still-handheld", False)):
         (truth / "scene.yaml").write_text(load_scene(name).to_yaml())
-        assert shoot_has_mosaic(tmp_path) is wanted
+        scene = rendered_scene(tmp_path)
+        assert scene is not None
+        assert scene.photometry.bayer is wanted
     (truth / "scene.yaml").write_text("no scene: [")
-    assert not shoot_has_mosaic(tmp_path)
+    assert rendered_scene(tmp_path) is None
