@@ -11,13 +11,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from labcal.arrays import Pose
+from labcal.arrays import Pose, Vectors3
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.matching import Matches, rows_by_name
 from labcal.errors import InputError
 from labcal.geometry.poses import rigid_alignment
+from labcal.targets.board_set import BoardSet
 from labcal.targets.target import Target
 
 _MOST_TIMES = 1.4
@@ -43,18 +44,42 @@ class CorrectedEccentricity:
 
 
 @dataclass(frozen=True)
+class DiscShapes:
+    """The dots of a target as discs, wherever they are."""
+
+    radii: Float64[np.ndarray, " dots"]
+    """Of the outer outlines, mm; 0 of corners."""
+    rotation: Float64[np.ndarray, "dots 3 3"] | None = None
+    """From the plane of each disc to the target's frame; None where all are parallel to its x-y plane."""
+
+    @classmethod
+    def of(cls, target: Target) -> "DiscShapes":
+        """Return the shapes of a target's dots; those of a set of boards lie in the planes of their boards."""
+        radii = 0.5 * target.outer_diameters_mm()
+        if not isinstance(target, BoardSet):
+            return cls(radii)
+        return cls(radii, target.poses[target.board_number, :3, :3])
+
+    def at(self, centres: Vectors3) -> "Discs":
+        """Return the discs with their centres at these places, mm."""
+        return Discs(centres, self.radii, self.rotation)
+
+
+@dataclass(frozen=True)
 class Discs:
-    """The dots of a target as discs parallel to its plane."""
+    """The dots of a target as discs."""
 
     centres: Float64[np.ndarray, "dots 3"]
     """In the target's frame, mm."""
     radii: Float64[np.ndarray, " dots"]
     """Of the outer outlines, mm."""
+    rotation: Float64[np.ndarray, "dots 3 3"] | None = None
+    """From the plane of each disc to the target's frame; None where all are parallel to its x-y plane."""
 
     @classmethod
     def of(cls, target: Target) -> "Discs":
         """Return the dots where the target's description has them."""
-        return cls(target.points(), 0.5 * target.outer_diameters_mm())
+        return DiscShapes.of(target).at(target.points())
 
 
 def dot_eccentricities(
@@ -76,7 +101,8 @@ def dot_eccentricities(
     ndarray, shape (n, 2)
         0 for a dot of which the camera cannot image all; such a dot is not measured either.
     """
-    images = dot_images(camera, T_world_target, discs.centres[dots], discs.radii[dots])
+    turned = None if discs.rotation is None else discs.rotation[dots]
+    images = dot_images(camera, T_world_target, discs.centres[dots], discs.radii[dots], turned)
     return np.where(images.ok[:, None], images.centroid - images.centre, 0.0)
 
 
@@ -138,6 +164,7 @@ def eccentricities_of_matches(
     p : ndarray, shape (n, 3)
         Where the dots are, more or less, in the world of the cameras, mm; NaN where not known.
     target : Target
+        Of a set of boards, each board has the pose of its own points.
 
     Returns
     -------
@@ -149,6 +176,8 @@ def eccentricities_of_matches(
     InputError
         The points are not of such a target.
     """
+    if isinstance(target, BoardSet):
+        return _eccentricities_of_boards(cameras, matches, p, target)
     discs = Discs.of(target)
     dots = matches.index[:, 1] * target.cols + matches.index[:, 0]
     T_world_target: dict[str, Pose] = {}
@@ -160,6 +189,19 @@ def eccentricities_of_matches(
             continue
         _refuse_other_size(p[known], discs.centres[dots[known]], target)
     return _eccentricities(cameras, matches.rows_by_view, dots, T_world_target, discs)
+
+
+def _eccentricities_of_boards(
+    cameras: Sequence[Camera], matches: Matches, p: Float64[np.ndarray, "n 3"], boards: BoardSet
+) -> Float64[np.ndarray, "n cameras 2"]:
+    """Return the result of :func:`eccentricities_of_matches`, board by board."""
+    eccentricity = np.zeros((len(matches), len(cameras), 2))
+    numbers = matches.index[:, 0]
+    for board, span in zip(boards.targets, boards.spans, strict=True):
+        mine = (numbers >= span.start) & (numbers < span.stop)
+        on_board = replace(matches.where(mine), index=board.indices()[numbers[mine] - span.start])
+        eccentricity[mine] = eccentricities_of_matches(cameras, on_board, p[mine], board)
+    return eccentricity
 
 
 def _refuse_other_size(
@@ -176,8 +218,8 @@ def _refuse_other_size(
 
 def centred(
     cameras: Sequence[Camera], matches: Matches, target: Target
-) -> tuple[Matches, CorrectedEccentricity]:
-    """Return matches at the images of centres, and the eccentricity that was subtracted.
+) -> tuple[Matches, CorrectedEccentricity | None]:
+    """Return matches at the images of centres, and the eccentricity that was subtracted; None for corners.
 
     Parameters
     ----------
@@ -195,4 +237,10 @@ def centred(
     """
     p = triangulate(cameras, matches.q, matches.covariance).point
     eccentricity = eccentricities_of_matches(cameras, matches, p, target)
-    return replace(matches, q=matches.q - eccentricity), CorrectedEccentricity.of(eccentricity)
+    corrected = CorrectedEccentricity.of(eccentricity) if has_discs(target) else None
+    return replace(matches, q=matches.q - eccentricity), corrected
+
+
+def has_discs(target: Target) -> bool:
+    """Tell whether any place of a target has an extent, and so an eccentricity: corners have none."""
+    return bool(target.outer_diameters_mm().any())

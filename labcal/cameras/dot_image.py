@@ -36,8 +36,10 @@ class DotImages:
     """(n,), whether the whole dot is imaged."""
 
 
-def flat_outlines(centres: Vectors3, radii: np.ndarray) -> Float64[np.ndarray, "n samples 3"]:
-    """Return the outlines of discs parallel to the target's x-y plane, mm, shape (n, SAMPLES, 3).
+def flat_outlines(
+    centres: Vectors3, radii: np.ndarray, rotation: Float64[np.ndarray, "n 3 3"] | None = None
+) -> Float64[np.ndarray, "n samples 3"]:
+    """Return the outlines of discs, parallel to the target's x-y plane or tilted, mm, shape (n, SAMPLES, 3).
 
     Parameters
     ----------
@@ -45,13 +47,22 @@ def flat_outlines(centres: Vectors3, radii: np.ndarray) -> Float64[np.ndarray, "
         Centres of the dots in the target's frame, mm.
     radii : ndarray, shape (n,)
         Radii of the outer outlines, mm.
+    rotation : ndarray, shape (n, 3, 3), optional
+        From a frame whose x-y plane is that of the disc to the target's; parallel discs where left out.
     """
     angle = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
     circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(SAMPLES)], axis=-1)
-    return np.asarray(centres[:, None, :] + radii[:, None, None] * circle)
+    turned = circle if rotation is None else circle @ np.swapaxes(rotation, -1, -2)
+    return np.asarray(centres[:, None, :] + radii[:, None, None] * turned)
 
 
-def dot_images(camera: Camera, T_world_target: Pose, centres: Vectors3, radii: np.ndarray) -> DotImages:
+def dot_images(
+    camera: Camera,
+    T_world_target: Pose,
+    centres: Vectors3,
+    radii: np.ndarray,
+    rotation: Float64[np.ndarray, "n 3 3"] | None = None,
+) -> DotImages:
     """Return where the dots of a flat target are imaged.
 
     Parameters
@@ -60,13 +71,14 @@ def dot_images(camera: Camera, T_world_target: Pose, centres: Vectors3, radii: n
     T_world_target : ndarray, shape (4, 4)
         Pose of the target, mm.
     centres : ndarray, shape (n, 3)
-        Centres of the dots in the target's frame, mm; the discs lie parallel to its x-y plane.
+        Centres of the dots in the target's frame, mm.
     radii : ndarray, shape (n,)
         Radii of the outer outlines, mm; 0 for a place without extent, a corner: its centroid is its centre.
+    rotation : ndarray, shape (n, 3, 3), optional
+        Of the discs against the target's x-y plane; they lie parallel to it where left out.
     """
-    images = outlined_images(
-        lambda p: camera.project(transform(T_world_target, p)), centres, flat_outlines(centres, radii)
-    )
+    outlines = flat_outlines(centres, radii, rotation)
+    images = outlined_images(lambda p: camera.project(transform(T_world_target, p)), centres, outlines)
     return of_places(images, radii)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from labcal.cli.methods import own_method
 from labcal.cli.named_points import add_budget, add_named_points, refuse_named_points, write_named
-from labcal.cli.options import OnceAction, add_detector_settings, add_output, add_workers
+from labcal.cli.options import TogetherAction, add_detector_settings, add_output, add_workers
 from labcal.cli.parser import CommandGroup
 from labcal.cli.ply import add_ply, ply_outputs, write_ply_beside
 from labcal.cli.session import Session
@@ -31,9 +31,9 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--target",
         metavar="NAME",
-        action=OnceAction,
+        action=TogetherAction,
         help="the target of the dots, for the eccentricity correction (default: that of the shoot, else that "
-        "of the rig's calibration); with named pixels, the one of --frame board:detections.csv",
+        "of the rig's calibration); given several times: boards side by side; with named pixels, the one of --frame board:detections.csv",
     )
     parser.add_argument(
         "--method",

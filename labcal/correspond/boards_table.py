@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Bool, Int64
 
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
@@ -30,6 +31,22 @@ def on_target(table: Detections, target: Target) -> Detections:
         The table does not state boards, though the target has several; a board in it is none of the target's,
         or a dot is not on its board.
     """
+    found = in_one_frame(table, target)
+    if isinstance(target, BoardSet) and target.mounting is Mounting.SEPARATE and table.boards:
+        return by_board(found, table.board)
+    return found
+
+
+def in_one_frame(table: Detections, target: Target) -> Detections:
+    """Return the dots of a table with the numbers of a target, as :func:`on_target`, in the same views.
+
+    Boards that move separately stay in the view that shows them, too.
+
+    Raises
+    ------
+    InputError
+        As of :func:`on_target`.
+    """
     if not isinstance(target, BoardSet):
         return _of_one(table, target)
     if not table.boards:
@@ -40,28 +57,48 @@ def on_target(table: Detections, target: Target) -> Detections:
             f"({listed(target.names)}). Find the dots by the same targets in one table: "
             "`target=['A', 'B']` of 'detect', which names the board of each."
         )
-    unknown = [name for name in table.boards if name not in target.names]
+    index, inside = numbers_of_boards(table.index, table.board, target)
+    lost = np.flatnonzero(~inside & table.ok & (table.board != ""))
+    if len(lost):
+        board = target.board_of_name(str(table.board[lost[0]]))
+        raise InputError(
+            f"{table.words(int(lost[0]))} is not on the board, which has {board.cols} x {board.rows}. Name "
+            "the boards that the pictures show."
+        )
+    return replace(table, index=index, board=np.full(len(table), ""))
+
+
+def numbers_of_boards(
+    index: Int64[np.ndarray, "n 2"], board: np.ndarray, target: BoardSet
+) -> tuple[Int64[np.ndarray, "n 2"], Bool[np.ndarray, " n"]]:
+    """Return (n, 0) of dots in a set, and a mask of those that are on their board.
+
+    Parameters
+    ----------
+    index : ndarray of int, shape (n, 2)
+        (col, row) on the board.
+    board : ndarray of str, shape (n,)
+        Names of the boards; empty where there is none.
+    target : BoardSet
+
+    Raises
+    ------
+    InputError
+        A board is none of the target's.
+    """
+    unknown = [name for name in dict.fromkeys(board.tolist()) if name and name not in target.names]
     if unknown:
         raise InputError(
             f"The table holds dots of the board '{unknown[0]}', but '{target.name}' has "
             f"{listed(target.names)}. Name the boards by which the dots were found."
         )
-    index = np.zeros_like(table.index)
-    for board, span in zip(target.targets, target.spans, strict=True):
-        mine = table.board == board.name
-        col, row = table.index[mine].T
-        inside = (col >= 0) & (row >= 0) & (col < board.cols) & (row < board.rows)
-        if not inside[table.ok[mine]].all():
-            at = np.flatnonzero(mine)[~inside & table.ok[mine]][0]
-            raise InputError(
-                f"{table.words(int(at))} is not on the board, which has {board.cols} x {board.rows}. Name "
-                "the boards that the pictures show."
-            )
-        index[mine, 0] = np.where(inside, span.start + row * board.cols + col, 0)
-    found = replace(table, index=index, board=np.full(len(table), ""))
-    if target.mounting is Mounting.SEPARATE:
-        return by_board(found, table.board)
-    return found
+    numbered, inside = np.zeros_like(index), np.zeros(len(index), dtype=bool)
+    for one, span in zip(target.targets, target.spans, strict=True):
+        mine = board == one.name
+        col, row = index[mine].T
+        inside[mine] = (col >= 0) & (row >= 0) & (col < one.cols) & (row < one.rows)
+        numbered[mine, 0] = np.where(inside[mine], span.start + row * one.cols + col, 0)
+    return numbered, inside
 
 
 def each_board(table: Detections, target: AnyTarget) -> tuple[Detections, AnyTarget]:

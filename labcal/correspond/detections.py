@@ -160,9 +160,9 @@ class Detections(PictureLines):
         """
         if self.boards:
             raise InputError(
-                f"The table holds dots of boards by name ({listed(self.boards)}), but this work takes those "
-                "of one target ('calibrate' and 'check' take several boards). Keep the lines of one board, "
-                "without the column 'board'."
+                f"The table holds dots of boards by name ({listed(self.boards)}), but this takes those of one "
+                "target. Name one of the boards as the target; or, for several, those that 'calibrate', "
+                "'check', 'reconstruct' and 'evaluate' take: `target=['A', 'B']`."
             )
 
     @classmethod

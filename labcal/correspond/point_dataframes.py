@@ -6,8 +6,10 @@ import numpy as np
 
 from labcal.correspond.dot_axis import DotAxis
 from labcal.correspond.points import Points
-from labcal.correspond.points_csv import HEADER, UPPER
+from labcal.correspond.points_csv import BOARD, HEADER, UPPER
+from labcal.errors import InputError
 from labcal.extras import optional_module
+from labcal.wording import listed
 
 if TYPE_CHECKING:
     import pandas
@@ -18,14 +20,20 @@ def points_frame(points: Points) -> "pandas.DataFrame":
     """Return the columns of ``points.csv``; see :meth:`Points.to_pandas`."""
     upper = points.covariance[:, UPPER[0], UPPER[1]]
     columns = (points.view, *points.index.T, *points.point.T, *upper.T, points.flag)
+    board = {BOARD: points.board} if points.boards else {}
     frame: pandas.DataFrame = optional_module("pandas", "data").DataFrame(
-        dict(zip(HEADER, columns, strict=True))
+        {**dict(zip(HEADER, columns, strict=True)), **board}
     )
     return frame
 
 
 def points_dataset(points: Points) -> "xarray.Dataset":
     """Return named arrays; see :meth:`Points.to_xarray`."""
+    if points.boards:
+        raise InputError(
+            f"The table holds points of boards by name ({listed(points.boards)}), which arrays by col and row "
+            "cannot keep apart. Take the lines of one: `points.where(points.board == 'NAME')`."
+        )
     views = list(dict.fromkeys(points.view.tolist()))
     number = {view: at for at, view in enumerate(views)}
     axis = DotAxis.of(points.index)

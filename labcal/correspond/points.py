@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -63,16 +64,20 @@ class Points(PointLines):
 
     index: Int64[np.ndarray, "n 2"]
     """(col, row)"""
+    board: np.ndarray
+    """(n,) of str, the board that `index` is of where a view shows several; empty where it shows one."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913, PLR0917 -- as many as columns
         self,
         view: AnyArray,
         index: AnyArray,
         point: AnyArray,
         covariance: AnyArray,
         flag: AnyArray,
+        board: AnyArray | None = None,
     ) -> None:
         n = np.shape(np.asarray(view))[:1]
+        board = np.full(n, "") if board is None else board
         self._keep(
             {
                 "view": text_array(view, n, "view"),
@@ -80,8 +85,14 @@ class Points(PointLines):
                 "point": float_array(point, (*n, 3), "point"),
                 "covariance": symmetric(float_array(covariance, (*n, 3, 3), "covariance")),
                 "flag": text_array(flag, n, "flag"),
+                "board": text_array(board, n, "board"),
             }
         )
+
+    @cached_property
+    def boards(self) -> tuple[str, ...]:
+        """Names of the boards, in order of appearance; nothing where views show one target."""
+        return tuple(name for name in dict.fromkeys(self.board.tolist()) if name)
 
     @classmethod
     def load(cls, path: AnyPath) -> "Points":

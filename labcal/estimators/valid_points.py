@@ -62,4 +62,5 @@ def within_sense(points: Points) -> Points:
         np.where(there[:, None], points.point, np.nan),
         np.where(sound[:, None, None], points.covariance, np.nan),
         np.where(there, points.flag, PointFlag.NO_SOLUTION.value),
+        points.board,
     )

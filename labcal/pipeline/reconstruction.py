@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, overload
 
 from labcal.arguments import choice_of
 from labcal.cameras.rig import Rig
+from labcal.correspond.boards_points import left_out_boards, points_of_boards
+from labcal.correspond.boards_table import in_one_frame
 from labcal.correspond.detections import Detections
 from labcal.correspond.dot_source import DotSource, open_dots
 from labcal.correspond.named_pixels import NamedPixels
@@ -17,6 +19,8 @@ from labcal.pipeline.given import dots_of
 from labcal.pipeline.named_points import measure
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
+from labcal.targets.board_set import BoardSet
+from labcal.targets.catalogue import AnyTargets
 from labcal.targets.target import PrintableTarget, Target
 
 if TYPE_CHECKING:
@@ -30,7 +34,7 @@ if TYPE_CHECKING:
 def reconstruct(
     model: Model | Rig | AnyPath,
     detections: NamedPixels,
-    target: Target | AnyPath | None = None,
+    target: Target | AnyTargets | None = None,
     progress: Progress | None = None,
     settings: "MeasureSettings | None" = None,
     *,
@@ -42,7 +46,7 @@ def reconstruct(
 def reconstruct(
     model: Model | Rig | AnyPath,
     detections: Detections | Shoot,
-    target: Target | AnyPath | None = None,
+    target: Target | AnyTargets | None = None,
     progress: Progress | None = None,
     settings: "MeasureSettings | None" = None,
     *,
@@ -54,7 +58,7 @@ def reconstruct(
 def reconstruct(
     model: Model | Rig | AnyPath,
     detections: AnyPath,
-    target: Target | AnyPath | None = None,
+    target: Target | AnyTargets | None = None,
     progress: Progress | None = None,
     settings: "MeasureSettings | None" = None,
     *,
@@ -65,7 +69,7 @@ def reconstruct(
 def reconstruct(
     model: Model | Rig | AnyPath,
     detections: Detections | NamedPixels | Shoot | AnyPath,
-    target: Target | AnyPath | None = None,
+    target: Target | AnyTargets | None = None,
     progress: Progress | None = None,
     settings: "MeasureSettings | None" = None,
     *,
@@ -80,9 +84,9 @@ def reconstruct(
     detections : Detections, NamedPixels, Shoot or path
         Dots, or the table of them; or a shoot or its folder, in whose pictures they are found. Named pixels,
         or the table of them, are reconstructed as by :func:`measure`.
-    target : Target or str, optional
-        What the dots are of, so that centroids give centres. If left out, that of the shoot, or else the one
-        that the rig was calibrated with. With named pixels, the target that lies in the frame.
+    target : Target, str or sequence of these, optional
+        What the dots are of, so that centroids give centres; several in a list are boards side by side. If
+        left out, that of the shoot, or else the one that the rig was calibrated with. With named pixels, the target that lies in the frame.
     progress : Progress, optional
         Of the detection.
     settings : MeasureSettings, optional
@@ -126,7 +130,7 @@ def reconstruct(
 def _of_dots(
     model: Model | Rig | AnyPath,
     detections: Detections | Shoot | AnyPath,
-    target: Target | AnyPath | None,
+    target: Target | AnyTargets | None,
     progress: Progress | None,
     budget: "Budget | str | None",
 ) -> "Reconstruction":
@@ -144,13 +148,17 @@ def _of_dots(
     shoot = given.shoot
     if shoot is not None and shoot.manifest.target is None and isinstance(shown, PrintableTarget):
         shoot = shoot.showing(shown)
-    dots = dots_of(given.table, shoot, receiver)
+    table = dots_of(given.table, shoot, receiver)
+    dots = table if shown is None else in_one_frame(table, shown)
     found = reconstruct_centres(used, dots, shown, wanted)
-    return replace(found, warnings=reconstruction_warnings(used, dots, found, shown))
+    left_out = None if shown is None else left_out_boards(table.boards, shown)
+    warnings = reconstruction_warnings(used, dots, found, shown) + (() if left_out is None else (left_out,))
+    points = points_of_boards(found.points, shown) if isinstance(shown, BoardSet) else found.points
+    return replace(found, points=points, warnings=warnings)
 
 
 def _reconstructed_target(
-    given: DotSource, target: Target | AnyPath | None, rig: Rig | None
+    given: DotSource, target: Target | AnyTargets | None, rig: Rig | None
 ) -> Target | None:
     """Return the target of dots, if it is known: places that were found are one, too."""
     if isinstance(target, Target):

@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labcal.calibrate.agreement.exchange.by_rays import refuse_exchanged_by_rays
-from labcal.calibrate.eccentricity import CorrectedEccentricity, centred, eccentricities_of_matches
+from labcal.calibrate.eccentricity import (
+    CorrectedEccentricity,
+    centred,
+    eccentricities_of_matches,
+    has_discs,
+)
 from labcal.calibrate.systematic_residual import SystematicResidual, systematic_residual
 from labcal.calibrate.triangulation_check import TriangulationCheck
 from labcal.calibrate.triangulation_residuals import TriangulationResiduals
@@ -16,6 +21,7 @@ from labcal.cameras.calibration_record import CalibrationRecord
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_file import read_rig
 from labcal.cameras.triangulation import triangulate
+from labcal.correspond.boards_points import with_known_lengths
 from labcal.correspond.detections import Detections
 from labcal.correspond.matching import Matches, match, require_on_target
 from labcal.correspond.points import PointFlag, Points
@@ -87,7 +93,7 @@ class Reconstruction(PublicObject):
 
     points: Points
     eccentricity: CorrectedEccentricity | None
-    """None if it was not corrected."""
+    """None if it was not corrected: of corners, which have none, or of dots whose target is not known."""
     miss_px: float | None
     """Median triangulation residual of dots, px; infinite if their rays do not intersect; None if the model
     has no cameras."""
@@ -200,11 +206,12 @@ def _require_sizes(detections: Detections, sizes: dict[str, tuple[int, int]]) ->
 def _by_rig(rig: Rig, matches: Matches, target: Target | None, wanted: Budget | None) -> Reconstruction:
     if len(rig.cameras) == 1:
         raise InputError("A rig with one camera cannot reconstruct points; calibrate with two or more.")
-    cameras, corrected = [rig.camera(name) for name in matches.cameras], None
+    cameras, corrected, centres = [rig.camera(name) for name in matches.cameras], None, False
     refuse_exchanged_by_rays(cameras, matches)
     if target is not None:
         try:
             matches, corrected = centred(cameras, matches, target)
+            centres = True
         except InputError:
             if not _inconsistent(rig.calibration):
                 raise  # else it is the rig that puts points nowhere near the target
@@ -212,7 +219,7 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None, wanted: Budget | 
     residuals = TriangulationResiduals.at(cameras, matches, found)
     check = TriangulationCheck.of(residuals, matches, rig.calibration)
     systematic = None
-    if rig.covariance is not None and corrected is not None:
+    if rig.covariance is not None and centres:
         record, rest = rig.calibration or CalibrationRecord(), ~np.isin(matches.view, check.views)
         if rest.mean() < _FEWEST_OTHERS:  # the camera has changed, not what some views show
             rest[:] = True
@@ -235,7 +242,9 @@ def _by_rig(rig: Rig, matches: Matches, target: Target | None, wanted: Budget | 
         systematic=systematic,
         scale=None
         if target is None
-        else target_scale(rig, matches, budget, target, found.ok & ~residuals.outlying),
+        else target_scale(
+            rig, with_known_lengths(matches, target), budget, target, found.ok & ~residuals.outlying
+        ),
     )
 
 
@@ -247,7 +256,7 @@ def _by_method(model: Model, matches: Matches, target: Target | None) -> Reconst
             roughly = np.asarray(model.estimator.predict(matches.X)[:, :3])
             eccentricity = eccentricities_of_matches(model.resected, matches, roughly, target)
             matches = replace(matches, q=matches.q - eccentricity)
-            corrected = CorrectedEccentricity.of(eccentricity)
+            corrected = CorrectedEccentricity.of(eccentricity) if has_discs(target) else None
         residuals = TriangulationResiduals.of(model.resected, matches)
         check = TriangulationCheck.of(residuals, matches, model.calibration)
         outlying, typical_px = residuals.outlying | np.isin(matches.view, check.views), residuals.typical_px

@@ -146,7 +146,8 @@ def calibrate_table(result: CalibrateResult) -> object:
     if len(result.cameras) > 1:
         caption += f", epipolar RMS {result.epipolar_rms_px:.4f} px"
     bias = result.centre_bias_px
-    caption += f"\ncorrected eccentricity: RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
+    if bias.max > 0.0:
+        caption += f"\ncorrected eccentricity: RMS {bias.rms:.4f} px, at most {bias.max:.4f} px"
     parts: list[Table | Text | Group | str] = [*camera_tables(result.cameras), Text(caption)]
     parts += [Text("\n".join(pair_lines(result.pairs))), expectation_table(result.expected_errors)]
     if result.lens_choice is not None:

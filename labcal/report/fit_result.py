@@ -159,8 +159,8 @@ def fit_table(result: FitResult, *, rehearsed: bool) -> Table:
         )
     if result.handheld is None:
         captions.append(_stage_words(result))
-    if result.centre_bias_px is not None:
-        bias = result.centre_bias_px
+    bias = result.centre_bias_px
+    if bias is not None and bias.max > 0.0:
         captions.append(f"corrected eccentricity: RMS {bias.rms:.4f} px, at most {bias.max:.4f} px")
     if result.handheld is not None:
         captions.append(result.handheld.words())

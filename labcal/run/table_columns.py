@@ -1,5 +1,6 @@
 """Lines of a table by columns: numbers are checked together, and the first damaged line is reported."""
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -98,9 +99,12 @@ class TableLines:
             return values
 
 
+_STRANGE_SPACE = re.compile(r"[\v\f\x1c-\x1f]")
+
+
 def _is_odd(cell: str) -> bool:
-    """Tell whether Python alone would take a cell for a number: ``1_0``, or digits of another script."""
-    return "_" in cell or not cell.isascii()
+    """Tell whether Python alone would take a cell for a number: ``1_0``, digits or spaces of other kinds."""
+    return "_" in cell or not cell.isascii() or _STRANGE_SPACE.search(cell) is not None
 
 
 def _whole(cell: str) -> int:

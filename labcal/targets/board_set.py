@@ -161,6 +161,11 @@ class BoardSet(BaseModel):
         """Names of the boards."""
         return tuple(board.name for board in self.targets)
 
+    def board_of_name(self, name: str) -> PrintableTarget:
+        """Return the board of a name, which is one of :attr:`names`."""
+        found: PrintableTarget = self.targets[self.names.index(name)]
+        return found
+
     @property
     def poses(self) -> Float64[np.ndarray, "boards 4 4"]:
         """``T_set_board`` of each board, mm: as stated, or laid out side by side where none are."""

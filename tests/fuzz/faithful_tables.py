@@ -46,7 +46,7 @@ class Table:
 
 
 def _number(word: str) -> float:
-    if not _NUMBER.fullmatch(word.strip()):
+    if not _NUMBER.fullmatch(word.strip(" \t\r\n")):
         raise ValueError(word)
     return float(word)
 

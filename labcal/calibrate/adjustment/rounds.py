@@ -14,7 +14,7 @@ from labcal.calibrate.adjustment.prior_term import LensPrior
 from labcal.calibrate.adjustment.problem import AdjustmentProblem, ViewsEliminated
 from labcal.calibrate.adjustment.scatter import Scatter
 from labcal.calibrate.adjustment.state import POSE, Freedom, Layout, Lenses, RigState
-from labcal.calibrate.eccentricity import Discs, dot_eccentricities
+from labcal.calibrate.eccentricity import DiscShapes, dot_eccentricities
 from labcal.calibrate.lens_prior import FoundLens, PriorWidth, narrow_is_better
 from labcal.cameras.optics import INTRINSICS
 from labcal.errors import InputError
@@ -96,7 +96,7 @@ def adjust_in_rounds(
     start: RigState,
     observations: Observations,
     freedom: Freedom,
-    radii: Float64[np.ndarray, " dots"],
+    radii: Float64[np.ndarray, " dots"] | DiscShapes,
     eccentricity_rounds: int,
     stopping: Stopping = STOPPING,
 ) -> Adjusted:
@@ -111,8 +111,8 @@ def adjust_in_rounds(
     observations : Observations
         Centroids as measured; every view of the state has some.
     freedom : Freedom
-    radii : ndarray, shape (dots,)
-        Of the dots' outer outlines, mm.
+    radii : ndarray, shape (dots,), or DiscShapes
+        Of the dots' outer outlines, mm; with the planes of dots that are not parallel.
     eccentricity_rounds : int
         Number of times that the eccentricity is predicted and subtracted; 0 takes the pixels for images of
         centres.
@@ -145,7 +145,7 @@ class _Rounds:
     start: RigState
     observations: Observations
     freedom: Freedom
-    radii: Float64[np.ndarray, " dots"]
+    radii: Float64[np.ndarray, " dots"] | DiscShapes
     eccentricity_rounds: int
     stopping: Stopping
 
@@ -243,10 +243,11 @@ def _share(unknowns: int, dots: int) -> float:
 
 
 def predicted_eccentricities(
-    state: RigState, observations: Observations, radii: Float64[np.ndarray, " dots"]
+    state: RigState, observations: Observations, radii: Float64[np.ndarray, " dots"] | DiscShapes
 ) -> Float64[np.ndarray, "n 2"]:
     """Return the eccentricity of every observation, px."""
-    discs = Discs(state.dots, radii)
+    shapes = radii if isinstance(radii, DiscShapes) else DiscShapes(radii)
+    discs = shapes.at(state.dots)
     eccentricity = np.zeros_like(observations.q)
     for picture in observations.pictures:
         camera, T = state.cameras[picture.camera], state.T_world_target[picture.view]

@@ -9,6 +9,7 @@ from labcal.arrays import Vectors3
 from labcal.calibrate.adjustment.observations import Observations
 from labcal.calibrate.adjustment.rounds import Adjusted, adjust_in_rounds
 from labcal.calibrate.adjustment.state import POSE, Freedom, Lenses, RigState
+from labcal.calibrate.eccentricity import DiscShapes
 from labcal.geometry.cross_matrices import cross_matrices
 from labcal.geometry.poses import rigid_alignment
 from labcal.targets.board_set import BoardSet
@@ -103,12 +104,11 @@ def adjust_boards(
     InputError
         As of that function.
     """
-    radii = 0.5 * boards.outer_diameters_mm()
     state = start
     for _ in range(_MOST_ROUNDS):
         motion = BoardMotion.at(state.dots, boards)
         adjusted = adjust_in_rounds(
-            state, observations, Freedom(lenses, motion.basis), radii, eccentricity_rounds
+            state, observations, Freedom(lenses, motion.basis), DiscShapes.of(boards), eccentricity_rounds
         )
         boards = rigid_again(adjusted.state.dots, boards)
         places = boards.points()
@@ -124,9 +124,8 @@ def adjust_known_boards(
     start: RigState, observations: Observations, boards: BoardSet, lenses: Lenses, eccentricity_rounds: int
 ) -> BoardsAdjusted:
     """Adjust as :func:`adjust_boards` does with the boards where they are stated."""
-    radii = 0.5 * boards.outer_diameters_mm()
     freedom = Freedom(lenses, np.zeros((3 * boards.count, 0)))
-    adjusted = adjust_in_rounds(start, observations, freedom, radii, eccentricity_rounds)
+    adjusted = adjust_in_rounds(start, observations, freedom, DiscShapes.of(boards), eccentricity_rounds)
     return BoardsAdjusted(adjusted, boards, np.zeros((len(boards.targets), POSE, POSE)))
 
 

@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from labcal.calibrate.boards.rigid_boards import calibrate_rigid_boards, refuse_freed
 from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import calibrate_handheld
@@ -14,8 +12,6 @@ from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.targets.board_set import BoardSet, Mounting
 
-_MOST_TILT_RAD = 0.02
-"""Between boards with dots: a tenth of the tilts that eccentricities come from."""
 _TIMES, _LEAST_PX = 3.0, 0.1
 """RMS in the rig over that of the cameras alone, and how much more, from which on boards are doubted."""
 
@@ -53,27 +49,9 @@ def calibrate_boards(
 
 
 def board_warnings(found: HandheldCalibration) -> list[str]:
-    """Return the warnings that boards are not on one plate, or dots on them not parallel, in words."""
+    """Return the warning that boards are not where one plate would have them, in words."""
     if found.boards is None:
         return []
-    return [*_moved(found), *_tilted(found.boards)]
-
-
-def _tilted(boards: BoardSet) -> list[str]:
-    """Return the warning that the eccentricity of dots on tilted boards is computed as of parallel ones."""
-    round_ones = [k for k, board in enumerate(boards.targets) if board.outer_diameters_mm().any()]
-    normals = boards.poses[:, :3, 2]
-    if all(float(normals[0] @ normals[k]) > np.cos(_MOST_TILT_RAD) for k in round_ones):
-        return []
-    words = (
-        "boards with round dots are tilted against the first board: the eccentricity of their dots is "
-        "computed as if they lay parallel. Use boards of corners, or lay the boards flat on one plate"
-    )
-    return [words]
-
-
-def _moved(found: HandheldCalibration) -> list[str]:
-    """Return the warning that boards are not where one plate would have them."""
     together, alone = found.rms_px, found.rms_alone_px
     if together < max(_TIMES * alone, alone + _LEAST_PX):
         return []

@@ -1,6 +1,7 @@
 """Reading of one file of cameras: of sensible size, in whichever of the usual forms its text is stored."""
 
 import codecs
+import re
 import zlib
 from pathlib import Path
 
@@ -10,6 +11,8 @@ from labcal.errors import InputError
 from labcal.run.file_reading import read_bytes
 
 _GZIP = b"\x1f\x8b"
+_STRANGE_SPACE = re.compile(r"[^\S \t\r\n\f\v]")
+"""Spaces of other kinds, which YAML and Python pass over: a damaged minus sign of a number may be one."""
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
@@ -35,16 +38,22 @@ def read_source(path: Path, most: int) -> SourceText:
             data = data.decode("utf-16").encode()
         except UnicodeError as error:
             raise InputError(f"{path} begins as UTF-16, but is none. Save it as UTF-8.") from error
-    try:
-        text = data.decode("latin-1" if b"\0" in data else "utf-8-sig")
-    except UnicodeDecodeError:
-        text = data.decode("latin-1")
+    text = data.decode("latin-1") if b"\0" in data else _text(data)
     if text.startswith(ZIP) and not is_archive(text):
         raise InputError(
             f"{path} is an archive (zip), as a .z3d of VIC-3D is. Unpack it, and convert the file of cameras "
             "in it, which VIC-3D calls project.xml or calibration.xml."
         )
     return SourceText(path, text, data)
+
+
+def _text(data: bytes) -> str:
+    """Return the text of a file that is no binary one: in UTF-8, or with single bytes for umlauts."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")
+    return _STRANGE_SPACE.sub("\ufffd", text)
 
 
 def _unpacked(data: bytes, path: Path, most: int) -> bytes:

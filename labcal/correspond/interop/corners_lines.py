@@ -14,6 +14,7 @@ from labcal.run.tables import MOST_LINES
 from labcal.targets.target import Target
 
 _LINE = re.compile(r"[^\n]+")
+_WORD = re.compile(r"[^ \t\r]+")
 _COMMENT = "#"
 _LONGEST_LINE = 2**14
 _MISSING = (0.0, 0.0, 0.0)
@@ -48,7 +49,7 @@ def points_by_image(
         raise InputError(f"{path} has more than {MOST_LINES} lines. Split it by images.")
     images: dict[str, list[tuple[float, float, float]]] = {}
     for found in _LINE.finditer(text):
-        image, *fields = found[0][:_LONGEST_LINE].split() or [_COMMENT]
+        image, *fields = _WORD.findall(found[0][:_LONGEST_LINE]) or [_COMMENT]
         if image.startswith(_COMMENT):
             continue
         try:
