@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labcal.calibrate.adjustment.state import Lenses
+from labcal.calibrate.boards.lens_of_boards import calibrate_boards_with_chosen_lens
 from labcal.calibrate.boards.several import board_warnings, calibrate_boards
 from labcal.calibrate.budget.shared_errors import measured_places
 from labcal.calibrate.calibration_warnings import calibration_warnings
@@ -229,9 +230,13 @@ def calibrated(
     held_out = held_out_views(detections.views, hold_out)
     entering = detections.where(~np.isin(detections.view, held_out))
     choice, lens = None, lens or _lens_of(settings)
-    if isinstance(target, BoardSet):
-        lens = DEFAULT_LENS if lens is None else lens
-        found = calibrate_boards(entering, target, lens, settings)
+    if isinstance(target, BoardSet) and lens in (None, AUTO):
+        choice, found = calibrate_boards_with_chosen_lens(
+            entering, target, lens, settings, progress or NoProgress()
+        )
+        lens = choice.lens
+    elif isinstance(target, BoardSet):
+        found = calibrate_boards(entering, target, str(lens), settings)
     elif lens is None:
         choice, found = calibrate_with_default_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens

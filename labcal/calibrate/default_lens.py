@@ -1,5 +1,6 @@
 """The lens model where none is named: the usual one, unless the views ask for another."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,8 @@ from labcal.errors import InputError
 from labcal.run.progress import Progress
 from labcal.targets.catalogue import AnyTarget
 
+Whole = Callable[[str], HandheldCalibration]
+"""Calibrates a rig with a lens model by name."""
 _OF_LARGER = (DEFAULT_LENS, "rational8", LARGE, FISHEYE)
 """Candidates where coefficients are missing; :data:`LARGE` only where its own are."""
 _OF_WIDE = ("rational8", FISHEYE)
@@ -27,7 +30,11 @@ perspective lens on both sides of it, the two explain dots alike."""
 
 
 def calibrate_with_default_lens(
-    detections: Detections, target: AnyTarget, settings: HandheldSettings, progress: Progress
+    detections: Detections,
+    target: AnyTarget,
+    settings: HandheldSettings,
+    progress: Progress,
+    whole: Whole | None = None,
 ) -> tuple[LensChoice, HandheldCalibration]:
     """Calibrate with :data:`DEFAULT_LENS`, and look for another lens where the views ask for one.
 
@@ -45,12 +52,19 @@ def calibrate_with_default_lens(
         Without a rig to start from.
     progress : Progress
         Of the choice of a lens.
+    whole : callable, optional
+        Calibrates the rig with a lens model by name, where that takes more than these dots of a target.
 
     Raises
     ------
     InputError, ContradictionError
         As of :func:`~labcal.calibrate.handheld.calibrate_handheld`.
     """
+
+    def of_target(lens: str) -> HandheldCalibration:
+        return calibrate_handheld(detections, target, lens, settings)
+
+    rig = whole or of_target
     dots = prepared_dots(detections, target, settings)
     try:
         usual: PreparedCameras | InputError = prepared_cameras(dots, target, DEFAULT_LENS, settings)
@@ -58,13 +72,13 @@ def calibrate_with_default_lens(
         usual = error
     if _is_wide(usual, dots, target, settings):
         choice = _chosen_wide(detections, target, settings, progress)
-        return choice, calibrate_handheld(detections, target, choice.lens, settings)
+        return choice, rig(choice.lens)
     if isinstance(usual, InputError):
         raise usual
-    found = calibrate_prepared(usual, target, settings)
+    found = calibrate_prepared(usual, target, settings) if whole is None else whole(DEFAULT_LENS)
     if all(fit.misfit is None for fit in found.fits.values()):
         return LensChoice(DEFAULT_LENS, (), _why_usual(found)), found
-    return _chosen_larger(detections, target, (settings, progress), found)
+    return _chosen_larger(detections, target, (settings, progress), (found, rig))
 
 
 def _is_wide(
@@ -108,10 +122,10 @@ def _chosen_larger(
     detections: Detections,
     target: AnyTarget,
     how: tuple[HandheldSettings, Progress],
-    found: HandheldCalibration,
+    usual: tuple[HandheldCalibration, Whole],
 ) -> tuple[LensChoice, HandheldCalibration]:
     """Choose among larger lenses, with the dots treated as with the usual one, and calibrate with it."""
-    settings, progress = how
+    (settings, progress), (found, whole) = how, usual
     misfits = {name: fit.misfit for name, fit in found.fits.items() if fit.misfit is not None}
     first = "; ".join(
         f"the views of {name} ask for '{misfit.larger}' (p = {misfit.chance:.1g})"
@@ -125,7 +139,7 @@ def _chosen_larger(
         if choice.lens == DEFAULT_LENS:
             why = f"{first}, but held-out views are predicted as well without"
             return replace(choice, why=why), found
-        again = calibrate_handheld(detections, target, choice.lens, settings)
+        again = whole(choice.lens)
     except InputError as error:
         return LensChoice(DEFAULT_LENS, (), f"{first}, but no larger model can be tried. {error}"), found
     return replace(choice, why=f"{first}; chosen: {choice.why}"), again

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from labcal.cli.holdout import add_holdout, refuse_without_holdout, run_held_out
-from labcal.cli.options import OnceAction, add_page, refuse_option
+from labcal.cli.options import TogetherAction, add_page, refuse_option
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
@@ -27,7 +27,10 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument("shoot", nargs="?", type=Path, metavar="SHOOT", help="left out for loose photographs")
     parser.add_argument(
-        "--target", metavar="NAME", action=OnceAction, help="the target of loose photographs, for its lengths"
+        "--target",
+        metavar="NAME",
+        action=TogetherAction,
+        help="the target of loose photographs, for its lengths; given several times: boards side by side",
     )
     parser.add_argument(
         "--dots",
@@ -70,7 +73,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.pipeline import evaluate
     from labcal.report.error_tables import error_table
     from labcal.shoot.dataset import Shoot, open_shoot
-    from labcal.targets.catalogue import AnyTarget, load_target
+    from labcal.targets.catalogue import AnyTarget, target_of
     from labcal.targets.places import DotPlaces, read_places
 
     named = [one for one in (arguments.shoot, arguments.target, arguments.dots) if one is not None]
@@ -91,7 +94,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
     elif arguments.dots is not None:
         source = read_places(arguments.dots)
     elif arguments.target is not None:
-        source = load_target(arguments.target)
+        source = target_of(arguments.target)
     errors = evaluate(points, source, arguments.detections, arguments.alignment, arguments.rig, page=page)
     for warning in errors.warnings:
         session.warn(warning)

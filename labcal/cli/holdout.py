@@ -41,12 +41,12 @@ def run_held_out(arguments: Namespace, session: Session) -> ExitStatus:
     from labcal.correspond.dot_source import open_dots
     from labcal.pipeline import evaluate_held_out
     from labcal.report.error_tables import error_table
-    from labcal.targets.catalogue import load_target
+    from labcal.targets.catalogue import target_of
 
     for name in ("shoot", "alignment", "page"):
         refuse_option(arguments, name, "goes with points, and --holdout takes dots")
     settings = HandheldSettings(dot_places=dot_treatment(arguments), dots=arguments.dots)
-    named = None if arguments.target is None else load_target(arguments.target)
+    named = None if arguments.target is None else target_of(arguments.target)
     given = open_dots(arguments.points, arguments.detections)
     if named is None and given.shoot is None and settings.places is not None:
         named = settings.places.target

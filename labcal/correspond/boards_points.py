@@ -1,18 +1,22 @@
 """Points of several boards as points of one target, and back to the boards."""
 
+from collections.abc import Collection
 from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Int64
 
-from labcal.correspond.boards_table import numbers_of_boards
+from labcal.correspond.boards_table import log_left_out, numbers_of_boards
 from labcal.correspond.matching import Matches
 from labcal.correspond.points import Points
 from labcal.errors import InputError
 from labcal.targets.board_set import BoardSet
 from labcal.targets.target import Target
 from labcal.wording import listed
+
+Numbered = TypeVar("Numbered", Points, Matches)
+"""Points or pixels with the numbers of a target."""
 
 
 def points_on_target(points: Points, target: Target) -> Points:
@@ -73,10 +77,6 @@ def own_indices(
     return boards.own_indices()[numbers].astype(np.int64), names
 
 
-Numbered = TypeVar("Numbered", Points, Matches)
-"""Points or pixels with the numbers of a target."""
-
-
 def with_known_lengths(lines: Numbered, target: Target) -> Numbered:
     """Return lines whose views hold only dots of which the target states the distances.
 
@@ -96,23 +96,11 @@ def with_known_lengths(lines: Numbered, target: Target) -> Numbered:
     return replace(lines, view=np.array(views, dtype=np.str_))
 
 
-def left_out_boards(stated: tuple[str, ...], target: Target) -> str | None:
-    """Return which boards of a table do not count, since one of them was named, for people; else None.
-
-    Parameters
-    ----------
-    stated : tuple of str
-        Names of the boards in the table.
-    target : Target
-        Of whose dots the table is taken.
-    """
-    others = [name for name in stated if name != target.name]
-    if isinstance(target, BoardSet) or not others:
-        return None
-    return (
-        f"the target is '{target.name}' alone: dots of {listed(others)} are left out. Name all boards to take "
-        "them together"
-    )
+def with_views_of_boards(views: Collection[str] | None, target: object) -> Collection[str] | None:
+    """Return names of views with those that :func:`with_known_lengths` gives to their boards; None of None."""
+    if views is None or not isinstance(target, BoardSet):
+        return views
+    return [*views, *(f"{view}-{name}" for view in views for name in target.names)]
 
 
 def _of_one(points: Points, target: Target) -> Points:
@@ -124,5 +112,6 @@ def _of_one(points: Points, target: Target) -> Points:
             f"The points are of the boards {listed(points.boards)}, and none of '{target.name}'. Name one of "
             "these boards, or all of them."
         )
+    log_left_out(points.boards, target)
     mine = points.where(points.board == target.name)
     return replace(mine, board=np.full(len(mine), ""))

@@ -1,5 +1,6 @@
 """Tables of dots of several boards as dots of one target, and back to the boards."""
 
+import logging
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,8 @@ from labcal.targets.board_set import BoardSet, Mounting
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.target import Target
 from labcal.wording import listed
+
+_LOG = logging.getLogger(__name__)
 
 
 def on_target(table: Detections, target: Target) -> Detections:
@@ -127,6 +130,25 @@ def by_board(table: Detections, board: np.ndarray) -> Detections:
     return replace(table, view=np.array(named, dtype=np.str_))
 
 
+def log_left_out(stated: tuple[str, ...], target: Target) -> None:
+    """Log that dots of other boards than the target do not count.
+
+    Parameters
+    ----------
+    stated : tuple of str
+        Names of the boards in the table.
+    target : Target
+        One board.
+    """
+    others = [name for name in stated if name != target.name]
+    if others:
+        _LOG.warning(
+            "The target is '%s' alone: the dots of %s are left out. Name all boards to take them together.",
+            target.name,
+            listed(others),
+        )
+
+
 def _of_one(table: Detections, target: Target) -> Detections:
     """Return the dots of one board of a table; a table that states no boards as it is."""
     if not table.boards:
@@ -136,5 +158,6 @@ def _of_one(table: Detections, target: Target) -> Detections:
             f"The table holds dots of the boards {listed(table.boards)}, and none of '{target.name}'. Name "
             "one of these boards, or all of them."
         )
+    log_left_out(table.boards, target)
     mine = table.where((table.board == target.name) | (table.board == ""))
     return replace(mine, board=np.full(len(mine), ""))

@@ -6,6 +6,7 @@ from labcal.arrays import Lengths
 from labcal.calibrate.calibration import Calibration, calibrated
 from labcal.calibrate.epipolar_residual import epipolar_rms
 from labcal.calibrate.single_calibration import HandheldSettings
+from labcal.correspond.boards_points import with_known_lengths
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.evaluate.held_out_lengths import HeldOutLengths, HeldOutPart
@@ -78,7 +79,7 @@ def _of_part(
     dots = detections.where(np.isin(detections.view, held))
     try:
         made = calibrated(detections, target, lens, settings, held)
-        points = reconstruct_centres(made.rig, dots, target).points
+        points = with_known_lengths(reconstruct_centres(made.rig, dots, target).points, target)
         reference = made.places or settings.places or target
         return (
             made,

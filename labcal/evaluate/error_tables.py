@@ -15,8 +15,9 @@ def truth_errors_frame(errors: TruthErrors) -> "pandas.DataFrame":
     points = errors.points
     columns = ("view", "col", "row", "X_error_mm", "Y_error_mm", "Z_error_mm", "flag")
     values = (points.view, *points.index.T, *errors.error.T, points.flag)
+    board = {"board": points.board} if points.boards else {}
     frame: pandas.DataFrame = optional_module("pandas", "data").DataFrame(
-        dict(zip(columns, values, strict=True))
+        {**dict(zip(columns, values, strict=True)), **board}
     )
     return frame
 

@@ -2,10 +2,18 @@
 
 import os
 from collections.abc import Collection
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from labcal.arguments import texts
 from labcal.cameras.rig import Rig
+from labcal.correspond.boards_points import (
+    points_of_boards,
+    points_on_target,
+    with_known_lengths,
+    with_views_of_boards,
+)
+from labcal.correspond.boards_table import in_one_frame
 from labcal.correspond.detections import Detections
 from labcal.correspond.points import Points
 from labcal.errors import InputError, UnknownNameError
@@ -15,7 +23,8 @@ from labcal.pipeline.given import dots_of, shown_by
 from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.pipeline.print_places import dots_beside
 from labcal.shoot.dataset import Shoot
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.board_set import BoardSet
+from labcal.targets.catalogue import AnyTarget, AnyTargets
 from labcal.targets.kept_target import kept_target
 from labcal.targets.places import DotPlaces, is_places, read_places
 
@@ -38,7 +47,7 @@ def _kept_by(rig: Rig | Model | Collection[str] | AnyPath | None) -> AnyTarget |
     return dots_beside(rig, target) if isinstance(rig, str | os.PathLike) else target
 
 
-def _scored_by(source: Shoot | AnyTarget | DotPlaces | AnyPath) -> Shoot | AnyTarget | DotPlaces:
+def _scored_by(source: Shoot | AnyTargets | DotPlaces) -> Shoot | AnyTarget | DotPlaces:
     """Return what points are of: a shoot, a target or the places of its dots, by their path, too."""
     if isinstance(source, DotPlaces):
         return source
@@ -78,7 +87,7 @@ def _calibration_views_of(rig: Rig | Model | Collection[str] | AnyPath | None) -
 
 def evaluate(
     points: Points | AnyPath,
-    source: Shoot | AnyTarget | DotPlaces | AnyPath | None = None,
+    source: Shoot | AnyTargets | DotPlaces | None = None,
     detections: Detections | AnyPath | None = None,
     alignment: "Alignment | None" = None,
     rig: Rig | Model | Collection[str] | AnyPath | None = None,
@@ -90,10 +99,11 @@ def evaluate(
     Parameters
     ----------
     points : Points or path
-    source : Shoot, AnyTarget, DotPlaces, path or str, optional
+    source : Shoot, AnyTarget, DotPlaces, path, str or sequence of targets, optional
         The shoot that the points are of, or its folder; or, to compare with the target's own lengths, the
         target or its name, or the places of its dots or their file (``RIG-dots.json``). If left out, the
-        target that the rig was calibrated with, with the file beside that of the rig.
+        target that the rig was calibrated with, with the file beside that of the rig. Several targets are
+        boards side by side: lengths between boards count only where their places are stated.
     detections : Detections or path, optional
         What the points came from; gives the limit of triangulation.
     alignment : {"none", "rigid"}, optional
@@ -125,6 +135,7 @@ def evaluate(
     """
     from labcal.correspond.points_csv import read_points
     from labcal.evaluate.against_truth import ALIGNMENTS
+    from labcal.evaluate.own_lengths import LengthErrors
 
     output = claimed_page(page, [points, source, detections, rig])
     if alignment is not None and alignment not in ALIGNMENTS:
@@ -132,16 +143,19 @@ def evaluate(
     shown = _kept_by(rig) if source is None else _scored_by(source)
     _refuse_without_truth(shown, detections, alignment)
     found = points if isinstance(points, Points) else read_points(as_path(points))
-    errors = _errors(found, shown, detections, alignment, rig)
+    target = shown.target if isinstance(shown, Shoot) else shown
+    numbered = found if isinstance(target, DotPlaces) else points_on_target(found, target)
+    found, errors = _errors(numbered, shown, detections, alignment, rig)
     if output is not None:
         from labcal.pipeline.surroundings import surroundings
         from labcal.report.evaluation_page import evaluation_page
 
         given = {"points": points, "source": source, "detections": detections, "alignment": alignment}
         maker = page_maker(output, "evaluate", {**given, "rig": rig, "page": output.path})
-        target = shown.target if isinstance(shown, Shoot) else shown
         around = surroundings(errors, shown, rig, detections)
         output.write(evaluation_page(errors, found, target, around, maker))
+    if isinstance(target, BoardSet) and not isinstance(errors, LengthErrors):
+        return replace(errors, points=points_of_boards(errors.points, target))
     return errors
 
 
@@ -168,8 +182,11 @@ def _errors(
     detections: Detections | AnyPath | None,
     alignment: "Alignment | None",
     rig: Rig | Model | Collection[str] | AnyPath | None,
-) -> "TruthErrors | LengthErrors":
-    """Return the errors of points; as :func:`evaluate`."""
+) -> "tuple[Points, TruthErrors | LengthErrors]":
+    """Return the errors of points, as :func:`evaluate`, and these with the views by which they are scored.
+
+    Points have the numbers of the target. Where the places of boards are not known, each is a view by itself.
+    """
     from labcal.evaluate.against_truth import errors_against_truth
     from labcal.evaluate.own_lengths import errors_of_lengths
     from labcal.evaluate.scored_views import ScoredViews
@@ -177,11 +194,13 @@ def _errors(
 
     origin = _origin_of(rig)
     learned = _calibration_views_of(origin.rig if origin is not None and origin.triangulated else rig)
-    if not isinstance(shown, Shoot):
-        return errors_of_lengths(found, shown, learned)
-    if has_truth(shown.folder):
-        dots = None if detections is None else dots_of(detections, None)
-        return errors_against_truth(found, shown, dots, alignment, learned, origin)
-    if learned is None:
+    if isinstance(shown, DotPlaces):
+        return found, errors_of_lengths(found, shown, learned)
+    target = shown.target if isinstance(shown, Shoot) else shown
+    if isinstance(shown, Shoot) and has_truth(shown.folder):
+        dots = None if detections is None else in_one_frame(dots_of(detections, None), target)
+        return found, errors_against_truth(found, shown, dots, alignment, learned, origin)
+    if isinstance(shown, Shoot) and learned is None:
         found = found.where(ScoredViews.by_role(found.view, shown).holds(found.view))
-    return errors_of_lengths(found, shown.target, learned)
+    found = with_known_lengths(found, target)
+    return found, errors_of_lengths(found, target, with_views_of_boards(learned, target))

@@ -3,12 +3,13 @@
 from typing import TYPE_CHECKING
 
 from labcal.arguments import one_text, settings_of, whole_number
+from labcal.correspond.boards_table import on_target
 from labcal.correspond.detections import Detections
 from labcal.paths import AnyPath
 from labcal.pipeline.given import dots_of, shown_by
 from labcal.run.progress import Progress, progress_of
 from labcal.shoot.dataset import Shoot
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.catalogue import AnyTargets
 
 if TYPE_CHECKING:
     from labcal.calibrate.handheld import HandheldSettings
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def evaluate_held_out(
-    source: Shoot | AnyTarget | AnyPath,
+    source: Shoot | AnyTargets,
     detections: Detections | AnyPath | None = None,
     lens: str | None = None,
     settings: "HandheldSettings | None" = None,
@@ -65,7 +66,7 @@ def evaluate_held_out(
     lens = None if lens is None else one_text(lens, "lens")
     settings, progress = settings_of(settings, HandheldSettings), progress_of(progress)
     shown = shown_by(source)
-    dots = dots_of(detections, shown, progress)
     target = shown.target if isinstance(shown, Shoot) else shown
+    dots = on_target(dots_of(detections, shown, progress), target)
     count = min(PARTS, len(dots.views)) if parts is None else whole_number(parts, "parts", 2)
     return held_out_lengths(dots, target, lens, settings, count, progress)

@@ -12,7 +12,7 @@ from labcal.estimators.model import Model
 from labcal.paths import AnyPath, as_path
 from labcal.pipeline.marks import AnyMarkers, find_marks, refuse_pixel_sigma
 from labcal.shoot.pictures import SUFFIXES
-from labcal.targets.catalogue import target_of
+from labcal.targets.catalogue import AnyTargets, target_of
 from labcal.targets.kept_target import kept_target
 from labcal.targets.target import Target
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 def measure(
     model: Model | Rig | AnyPath,
     pixels: "NamedPixels | FoundMarks | AnyPictures",
-    target: Target | AnyPath | None = None,
+    target: Target | AnyTargets | None = None,
     settings: "MeasureSettings | None" = None,
     *,
     budget: "Budget | str | None" = None,
@@ -42,7 +42,7 @@ def measure(
     pixels : NamedPixels, FoundMarks, path or pictures
         Named pixels, or the table of them; or what :func:`find_marks` returned; or, with `markers`, pictures
         as it takes them. Pixels of one name in several cameras of a view are one point.
-    target : Target or str, optional
+    target : Target, str or sequence of these, optional
         The target that lies in the frame, of a frame by a board; if left out, the one that the rig was
         calibrated with.
     settings : MeasureSettings, optional
@@ -93,7 +93,7 @@ def measure(
     how = settings_of(settings, MeasureSettings)
     wanted = None if budget is None else choice_of(budget, Budget, "budget")
     frame = None if how.frame is None else RequestedFrame.of(how.frame, how.frame_view)
-    shown = target_of(target) if isinstance(target, str | os.PathLike) else target
+    shown = target if target is None or isinstance(target, Target) else target_of(target)
     used = model if isinstance(model, Model | Rig) else load_reconstructor(as_path(model))
     if shown is None and frame is not None and frame.kind is FrameKind.BOARD and isinstance(used, Rig):
         shown = kept_target(used)

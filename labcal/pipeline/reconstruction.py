@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, overload
 
 from labcal.arguments import choice_of
 from labcal.cameras.rig import Rig
-from labcal.correspond.boards_points import left_out_boards, points_of_boards
+from labcal.correspond.boards_points import points_of_boards
 from labcal.correspond.boards_table import in_one_frame
 from labcal.correspond.detections import Detections
 from labcal.correspond.dot_source import DotSource, open_dots
@@ -151,9 +151,8 @@ def _of_dots(
     table = dots_of(given.table, shoot, receiver)
     dots = table if shown is None else in_one_frame(table, shown)
     found = reconstruct_centres(used, dots, shown, wanted)
-    left_out = None if shown is None else left_out_boards(table.boards, shown)
-    warnings = reconstruction_warnings(used, dots, found, shown) + (() if left_out is None else (left_out,))
     points = points_of_boards(found.points, shown) if isinstance(shown, BoardSet) else found.points
+    warnings = reconstruction_warnings(used, dots, found, shown)
     return replace(found, points=points, warnings=warnings)
 
 

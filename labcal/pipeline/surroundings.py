@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labcal.cameras.rig import Rig
+from labcal.correspond.boards_table import in_one_frame
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
 from labcal.estimators.model import Model
@@ -50,7 +51,8 @@ def surroundings(
         poses = {name: np.array(view.T_world_target) for name, view in truth.views.items()}
         residuals: list[Reprojected] = []
         if isinstance(used, Rig) and detections is not None:
-            residuals = reprojected(used, errors.points, dots_of(detections, None), shown.target)
+            dots = in_one_frame(dots_of(detections, None), shown.target)
+            residuals = reprojected(used, errors.points, dots, shown.target)
         return Surroundings(cameras, poses, residuals)
     if isinstance(used, Rig):
         return Surroundings({name: used.camera(name) for name in used.cameras}, {})

@@ -19,8 +19,10 @@ from labcal.scene.photometry import Photometry
 from labcal.scene.placement import Placement
 from labcal.scene.printed import grid_of
 from labcal.scene.room import Room
-from labcal.targets.catalogue import DescribedTarget, load_target
+from labcal.targets.board_set import BoardSet, Mounting
+from labcal.targets.catalogue import DescribedTarget, described_target
 from labcal.targets.grid import DotGrid
+from labcal.targets.one_sheet import require_one_sheet
 
 MOST_SAMPLES = 65536
 MOST_MISTAKE = 100.0
@@ -44,7 +46,7 @@ class Scene(BaseModel):
     description: str = ""
     """Description of the scene, for people."""
     target: DescribedTarget
-    """The target; in a file the name of one, or its whole description."""
+    """The target; in a file the name of one, or its whole description; a list of these is boards side by side."""
     cameras: Annotated[dict[Name, CameraDescription], Field(min_length=1)]
     """Cameras by name."""
     placement: Placement
@@ -77,7 +79,23 @@ class Scene(BaseModel):
     @field_validator("target", mode="before")
     @classmethod
     def _target_by_name(cls, value: object) -> object:
-        return load_target(value) if isinstance(value, str) else value
+        return described_target(value) if isinstance(value, str | list | tuple) else value
+
+    @field_validator("target")
+    @classmethod
+    def _boards_are_on_one_plate(cls, target: object) -> object:
+        if isinstance(target, BoardSet):
+            if target.mounting is Mounting.SEPARATE:
+                raise ValueError(
+                    f"the boards of '{target.name}' move separately, but the laboratory holds one plate: take "
+                    f"one of them, such as '{target.names[0]}', or state that they are fixed to one plate: "
+                    "'mounting: rigid'"
+                )
+            try:
+                require_one_sheet(target)
+            except InputError as error:
+                raise ValueError(str(error)) from error
+        return target
 
     @field_validator("mistake", mode="before")
     @classmethod

@@ -3,10 +3,8 @@
 import numpy as np
 from matplotlib.path import Path as Outline
 
-from labcal.errors import InputError
 from labcal.targets.board_set import BoardSet
-
-_FLAT_MM = 1e-6
+from labcal.targets.one_sheet import require_one_sheet
 
 
 def board_set_outlines(boards: BoardSet) -> Outline:
@@ -15,17 +13,13 @@ def board_set_outlines(boards: BoardSet) -> Outline:
     Raises
     ------
     InputError
-        The boards do not lie in one plane, so that no sheet holds them.
+        As of :func:`require_one_sheet`.
     """
     from labcal.targets.shapes import printed_outlines  # noqa: PLC0415 -- it draws kinds from the registry
 
+    require_one_sheet(boards)
     parts = []
     for board, T in zip(boards.targets, boards.poses, strict=True):
-        if abs(T[2, 3]) > _FLAT_MM or np.abs(T[2, :2]).max() > _FLAT_MM or T[2, 2] < 0.0:
-            raise InputError(
-                f"The boards of '{boards.name}' do not lie in one plane. Draw each by itself: 'labcal target "
-                f"export {board.name}'."
-            )
         outline = printed_outlines(board)
         places = np.asarray(outline.vertices) @ T[:2, :2].T + T[:2, 3]
         parts.append(Outline(places, outline.codes))

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 from pydantic import PlainSerializer, PlainValidator
 
@@ -19,6 +19,9 @@ FOLDER = "calib_targets"
 BOARDS_KEY = "targets"
 """The key by which a description without a kind is one of several boards."""
 
+AnyTarget = PrintableTarget
+"""A target of any registered kind."""
+
 
 def _kind(content: dict[str, Any]) -> TargetKind:
     """Return which kind of target a description is of; grids of dots do not state it."""
@@ -29,17 +32,22 @@ def _kind(content: dict[str, Any]) -> TargetKind:
     return kind_by_name(name)
 
 
-def _described(value: object) -> object:
+def _described(value: object) -> AnyTarget:
     """Return the target of a description in a larger document."""
     if isinstance(value, PrintableTarget):
         return value
     if not isinstance(value, dict):
         raise ValueError("a target is a mapping of keys to values")  # noqa: TRY004 -- pydantic takes only this
-    return _kind(value).model.model_validate(value)
+    return cast("AnyTarget", _kind(value).model.model_validate(value))
 
 
-def described_target(value: object) -> object:
-    """Return a target that is given by itself, by name, by the path of its file, or by its description."""
+def described_target(value: object) -> AnyTarget:
+    """Return a target that is given by itself, by name, by the path of its file, or by its description.
+
+    Several in a list or a tuple are boards side by side, fixed to one plate.
+    """
+    if isinstance(value, list | tuple) and value:
+        return _boards([described_target(one) for one in value])
     return load_target(value) if isinstance(value, str | PathLike) else _described(value)
 
 
@@ -47,8 +55,6 @@ def _by_its_own_model(target: PrintableTarget) -> object:
     return target
 
 
-AnyTarget = PrintableTarget
-"""A target of any registered kind."""
 AnyTargets = PrintableTarget | AnyPath | Sequence[PrintableTarget | AnyPath]
 """A target by itself, by name or by path; several in a list are boards side by side."""
 DescribedTarget = Annotated[PrintableTarget, PlainValidator(_described), PlainSerializer(_by_its_own_model)]

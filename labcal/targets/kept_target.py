@@ -6,7 +6,7 @@ from labcal.cameras.rig import Rig
 from labcal.cameras.target_record import TargetRecord
 from labcal.errors import InputError
 from labcal.run.descriptions import explain_validation
-from labcal.targets.catalogue import AnyTarget, DescribedTarget
+from labcal.targets.catalogue import BOARDS_KEY, AnyTarget, DescribedTarget
 from labcal.targets.places import DotPlaces
 from labcal.targets.target import PrintableTarget, Target
 
@@ -69,6 +69,9 @@ def other_target_note(rig: Rig, shown: Target | DotPlaces) -> str | None:
     if rig.target is None or not isinstance(shown, PrintableTarget):
         return None
     given, kept = target_record(shown).root, rig.target.root
+    boards = kept.get(BOARDS_KEY)
+    if isinstance(boards, list) and shown.name in [b.get("name") for b in boards if isinstance(b, dict)]:
+        kept = next(board for board in boards if board.get("name") == shown.name)  # one of several
     keys = (given.keys() | kept.keys()) - _FOR_PEOPLE - _OF_A_PLATE
     different = sorted(key for key in keys if given.get(key) != kept.get(key))
     if not different:

@@ -6,10 +6,8 @@ from labcal.calibrate.boards.rigid_boards import calibrate_rigid_boards, refuse_
 from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
-from labcal.calibrate.lens_candidates import AUTO
 from labcal.calibrate.single_calibration import HandheldSettings
 from labcal.correspond.detections import Detections
-from labcal.errors import InputError
 from labcal.targets.board_set import BoardSet, Mounting
 
 _TIMES, _LEAST_PX = 3.0, 0.1
@@ -33,14 +31,9 @@ def calibrate_boards(
     Raises
     ------
     UnknownNameError, InputError
-        No lens model is named; dots are to be freed; or as of
+        There is no such lens model; dots are to be freed; or as of
         :func:`~labcal.calibrate.handheld.calibrate_handheld`.
     """
-    if lens == AUTO:
-        raise InputError(
-            f"`lens='{AUTO}'` is for one board. Name a lens for boards side by side ('labcal lens list' "
-            f"shows them), or let one board choose it first: `target='{boards.names[0]}'`."
-        )
     refuse_freed(settings, boards)
     if boards.mounting is Mounting.RIGID:
         return calibrate_rigid_boards(detections, boards, lens, settings)

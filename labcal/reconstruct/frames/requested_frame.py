@@ -155,7 +155,9 @@ class RequestedFrame:
         view = self.view or next(iter(dots.views), "")
         if view not in dots.views:
             raise UnknownNameError("view in the detections", view, dots.views)
-        dots = dots.where(dots.view == view)
+        if isinstance(target, BoardSet):  # its frame is that of the first board
+            target = target.targets[0]
+        dots = on_target(dots.where(dots.view == view), target)
         measured = reconstruct_centres(model, dots, target, wanted)
         lines = np.flatnonzero(measured.points.ok)
         found, share = measured.points.where(lines), _camera_share(measured.budget, lines)
