@@ -8,7 +8,7 @@ from labcal.calibrate.lens_candidates import AUTO
 from labcal.cli.dot_places import add_dot_places, dot_treatment
 from labcal.cli.methods import named_estimators
 from labcal.cli.options import (
-    OnceAction,
+    TogetherAction,
     add_detector_settings,
     add_hold_out,
     add_output,
@@ -72,8 +72,8 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--target",
         metavar="NAME",
-        action=OnceAction,
-        help="the target of a table of dots; a shoot brings its own",
+        action=TogetherAction,
+        help="the target of a table of dots; a shoot brings its own; given several times: boards side by side",
     )
     add_dot_places(parser, " (of a hand-held target)")
     parser.add_argument(

@@ -51,6 +51,12 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
             f"The target '{shoot.target.name}' looks the same when it is turned, so nothing determines which "
             "of its dots is where on the stage. Use one with rings, or hold it and use 'labcal calibrate'."
         )
+    if isinstance(shoot.target, BoardSet) and shoot.target.places is None:
+        raise InputError(
+            f"On a stage the places of boards on their plate must be known, and those of '{shoot.target.name}' "
+            "are not stated. Calibrate the cameras from views of the plate in the hand, and copy `places` "
+            "from the rig into the description of the plate; or fit to one of the boards by itself."
+        )
     require_on_target(detections, shoot.target)
     matches = match(detections, shoot.cameras)
     matches = matches.where(np.isin(matches.view, trained))

@@ -17,6 +17,7 @@ from labcal.calibrate.lens_candidates import AUTO
 from labcal.calibrate.resection.lens_choice import camera_of_lens
 from labcal.cameras.calibration_share import calibration_share
 from labcal.cameras.camera import Camera
+from labcal.correspond.boards_table import on_target
 from labcal.correspond.detections import Detections
 from labcal.correspond.training import TrainingData, training_data
 from labcal.errors import InputError
@@ -94,7 +95,7 @@ def training_of(
     tested = tuple(view.name for view in source.views(Role.TEST)) if isinstance(source, Shoot) else ()
     if isinstance(source, Shoot) and on_stage(source):
         _refuse_of_held(settings)
-        data = training_data(source, detections)
+        data = training_data(source, on_target(detections, source.target))
         centred = centred_training(data, source.target, source.nominal_poses())
         if settings.stage_sigma is not None:
             centred = _with_stage_errors(centred, source, settings.stage_sigma)
@@ -109,8 +110,9 @@ def training_of(
         )
     target = source.target if isinstance(source, Shoot) else source
     how = HandheldSettings(dot_places=settings.dot_places)
+    detections = on_target(detections, target)
     found = calibrated(detections, target, settings.lens, how, settings.hold_out, progress)
-    dots = handheld_training(found.found, detections, target)
+    dots = handheld_training(found.found, detections, found.found.boards or target)
     return Training(dots, found, found.warnings, (*found.held_out, *tested))
 
 

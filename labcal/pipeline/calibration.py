@@ -146,12 +146,14 @@ def training_of(
     if training.held is None:
         return training
     target = source.target if isinstance(source, Shoot) else source
+    if isinstance(target, BoardSet):
+        return training
     held = with_named_causes(training.held, detections, target)
     return replace(training, held=held, warnings=held.warnings)
 
 
 def fit(
-    source: Shoot | AnyTarget | AnyPath,
+    source: Shoot | AnyTargets,
     detections: Detections | AnyPath | None = None,
     method: object = "hybrid",
     settings: "FitSettings | None" = None,
@@ -165,7 +167,7 @@ def fit(
     ----------
     source : Shoot, AnyTarget, path or str
         A shoot or its folder, of which training views are used; or the target, held in the hand in all views,
-        or its name.
+        or its name; several in a list are boards side by side.
     detections : Detections or path, optional
         Dots, or the table of them; those of the shoot are found in its pictures where left out.
     method : str, type or object
