@@ -230,13 +230,14 @@ def calibrated(
     held_out = held_out_views(detections.views, hold_out)
     entering = detections.where(~np.isin(detections.view, held_out))
     choice, lens = None, lens or _lens_of(settings)
-    if isinstance(target, BoardSet) and lens in (None, AUTO):
-        choice, found = calibrate_boards_with_chosen_lens(
-            entering, target, lens, settings, progress or NoProgress()
-        )
-        lens = choice.lens
-    elif isinstance(target, BoardSet):
-        found = calibrate_boards(entering, target, str(lens), settings)
+    if isinstance(target, BoardSet):
+        if lens is None or lens == AUTO:
+            choice, found = calibrate_boards_with_chosen_lens(
+                entering, target, lens, settings, progress or NoProgress()
+            )
+            lens = choice.lens
+        else:
+            found = calibrate_boards(entering, target, lens, settings)
     elif lens is None:
         choice, found = calibrate_with_default_lens(entering, target, settings, progress or NoProgress())
         lens = choice.lens

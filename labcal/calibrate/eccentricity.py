@@ -54,7 +54,7 @@ class DiscShapes:
 
     @classmethod
     def of(cls, target: Target) -> "DiscShapes":
-        """Return the shapes of a target's dots; those of a set of boards lie in the planes of their boards."""
+        """Return the shapes of a target's dots; those of several boards lie in the planes of these."""
         radii = 0.5 * target.outer_diameters_mm()
         if not isinstance(target, BoardSet):
             return cls(radii)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labcal.cli.guide_options import add_guide, guide_settings
-from labcal.cli.options import OnceAction, add_cameras, add_output, add_seed, positive_number
+from labcal.cli.options import TogetherAction, add_cameras, add_output, add_seed, positive_number
 from labcal.cli.parser import CommandGroup
 from labcal.cli.print_scale import add_print_scale
 from labcal.cli.session import Session
@@ -49,8 +49,9 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--target",
         metavar="NAME",
-        action=OnceAction,
-        help="the target; a scene brings its own, and so do a shoot that is replayed and a print with a code",
+        action=TogetherAction,
+        help="the target; a scene brings its own, and so do a shoot that is replayed and a print with a "
+        "code. Given several times: boards side by side, without --guided and --page",
     )
     add_print_scale(parser, "it goes into shoot.json")
     parser.add_argument(

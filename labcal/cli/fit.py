@@ -73,7 +73,8 @@ def add_parser(commands: CommandGroup) -> None:
         "--target",
         metavar="NAME",
         action=TogetherAction,
-        help="the target of a table of dots; a shoot brings its own; given several times: boards side by side",
+        help="the target of a table of dots; a shoot brings its own; given several times: boards side by "
+        "side",
     )
     add_dot_places(parser, " (of a hand-held target)")
     parser.add_argument(

@@ -55,7 +55,9 @@ class OnceAction(argparse.Action):
         before = getattr(namespace, self.dest)
         if before is not None:
             parser.error(
-                f"{option_string} is given twice, as '{before}' and '{values}'; this command takes one"
+                f"{option_string} is given twice, as '{before}' and '{values}'; this command takes one "
+                "(boards side by side are for detect, inspect, calibrate, check, fit, reconstruct, evaluate "
+                "and capture)"
             )
         setattr(namespace, self.dest, values)
 

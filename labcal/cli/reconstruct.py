@@ -33,7 +33,8 @@ def add_parser(commands: CommandGroup) -> None:
         metavar="NAME",
         action=TogetherAction,
         help="the target of the dots, for the eccentricity correction (default: that of the shoot, else that "
-        "of the rig's calibration); given several times: boards side by side; with named pixels, the one of --frame board:detections.csv",
+        "of the rig's calibration); given several times: boards side by side; with named pixels, the one of "
+        "--frame board:detections.csv",
     )
     parser.add_argument(
         "--method",

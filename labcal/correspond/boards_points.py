@@ -42,9 +42,9 @@ def points_on_target(points: Points, target: Target) -> Points:
         if len(points) == 0:
             return points
         raise InputError(
-            f"The points do not state their boards, but '{target.name}' has several ({listed(target.names)}). "
-            "Reconstruct them from a table of dots with the column 'board', which 'detect' writes of several "
-            "targets."
+            f"The points do not state their boards, but '{target.name}' has several "
+            f"({listed(target.names)}). Reconstruct them from a table of dots with the column 'board', "
+            "which 'detect' writes of several targets."
         )
     index, inside = numbers_of_boards(points.index, points.board, target)
     if not inside.all():
@@ -56,8 +56,8 @@ def points_on_target(points: Points, target: Target) -> Points:
             )
         board = target.board_of_name(name)
         raise InputError(
-            f"There is a point of dot ({col}, {row}) of board '{name}', which has {board.cols} x {board.rows} "
-            "dots. Name the boards that the points are of."
+            f"There is a point of dot ({col}, {row}) of board '{name}', which has {board.cols} x "
+            f"{board.rows} dots. Name the boards that the points are of."
         )
     return replace(points, index=index, board=np.full(len(points), ""))
 
@@ -97,7 +97,7 @@ def with_known_lengths(lines: Numbered, target: Target) -> Numbered:
 
 
 def with_views_of_boards(views: Collection[str] | None, target: object) -> Collection[str] | None:
-    """Return names of views with those that :func:`with_known_lengths` gives to their boards; None of None."""
+    """Return names of views, and those that :func:`with_known_lengths` gives to their boards."""
     if views is None or not isinstance(target, BoardSet):
         return views
     return [*views, *(f"{view}-{name}" for view in views for name in target.names)]

@@ -160,8 +160,8 @@ class Detections(PictureLines):
         """
         if self.boards:
             raise InputError(
-                f"The table holds dots of boards by name ({listed(self.boards)}), but this takes those of one "
-                "target. Name one of the boards as the target; or, for several, those that 'calibrate', "
+                f"The table holds dots of boards by name ({listed(self.boards)}), but this takes those of "
+                "one target. Name one of the boards as the target; or, for several, those that 'calibrate', "
                 "'check', 'reconstruct' and 'evaluate' take: `target=['A', 'B']`."
             )
 

@@ -31,8 +31,8 @@ def points_dataset(points: Points) -> "xarray.Dataset":
     """Return named arrays; see :meth:`Points.to_xarray`."""
     if points.boards:
         raise InputError(
-            f"The table holds points of boards by name ({listed(points.boards)}), which arrays by col and row "
-            "cannot keep apart. Take the lines of one: `points.where(points.board == 'NAME')`."
+            f"The table holds points of boards by name ({listed(points.boards)}), which arrays by col and "
+            "row cannot keep apart. Take the lines of one: `points.where(points.board == 'NAME')`."
         )
     views = list(dict.fromkeys(points.view.tolist()))
     number = {view: at for at, view in enumerate(views)}

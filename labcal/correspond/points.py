@@ -67,7 +67,7 @@ class Points(PointLines):
     board: np.ndarray
     """(n,) of str, the board that `index` is of where a view shows several; empty where it shows one."""
 
-    def __init__(  # noqa: PLR0913, PLR0917 -- as many as columns
+    def __init__(
         self,
         view: AnyArray,
         index: AnyArray,

@@ -112,8 +112,8 @@ def write_points(path: AnyPath, points: Points, *, force: bool = False) -> None:
     for name in points.boards:
         if not is_name(name):
             raise InputError(
-                f"The board '{clipped(printable(name))}' cannot be written to a table. Give it a name of letters, "
-                "digits and hyphens."
+                f"The board '{clipped(printable(name))}' cannot be written to a table. Give it a name of "
+                "letters, digits and hyphens."
             )
     for flag in dict.fromkeys(points.flag.tolist()):
         choice_of(flag, PointFlag, "flag")

@@ -11,6 +11,7 @@ from labcal.correspond.matching import match, require_on_target, stage_points
 from labcal.errors import InputError
 from labcal.shoot.dataset import Shoot
 from labcal.shoot.manifest import Role
+from labcal.targets.board_set import BoardSet
 
 
 @dataclass(frozen=True)
@@ -53,9 +54,10 @@ def training_data(shoot: Shoot, detections: Detections) -> TrainingData:
         )
     if isinstance(shoot.target, BoardSet) and shoot.target.places is None:
         raise InputError(
-            f"On a stage the places of boards on their plate must be known, and those of '{shoot.target.name}' "
-            "are not stated. Calibrate the cameras from views of the plate in the hand, and copy `places` "
-            "from the rig into the description of the plate; or fit to one of the boards by itself."
+            "On a stage the places of boards on their plate must be known, and those of "
+            f"'{shoot.target.name}' are not stated. Calibrate the cameras from views of the "
+            "plate in the hand, and copy `places` from the rig into the description of the plate; or fit to "
+            "one of the boards by itself."
         )
     require_on_target(detections, shoot.target)
     matches = match(detections, shoot.cameras)

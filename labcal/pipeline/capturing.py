@@ -9,7 +9,8 @@ from labcal.arguments import settings_of, texts
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.run.progress import Progress, progress_of
-from labcal.targets.catalogue import AnyTarget, target_of
+from labcal.targets.catalogue import AnyTarget, AnyTargets, target_of
+from labcal.targets.one_kind import single_board
 
 if TYPE_CHECKING:
     from labcal.capture.addresses import Address
@@ -20,11 +21,13 @@ if TYPE_CHECKING:
     from labcal.capture.simulated import SimulatedCameras
     from labcal.capture.source import Source
 
+_PLAIN = "Or capture without the guide, which takes several boards side by side."
+
 
 def capture(
     sources: str | Sequence[str],
     folder: AnyPath,
-    target: AnyTarget | AnyPath | None = None,
+    target: AnyTargets | None = None,
     settings: "CaptureSettings | None" = None,
     ask: Callable[[str], None] | None = None,
     progress: Progress | None = None,
@@ -38,10 +41,10 @@ def capture(
         with the camera's name before, ``"left=uvc:0"``. Several are triggered together.
     folder : path
         The shoot to appear. It is whole after every view; what an interrupted run left is gone on with.
-    target : str or AnyTarget, optional
-        The target that the pictures show, which a scene and a shoot that is replayed bring with them. Without
-        it the code of a print tells it; where there is none, the shoot names no target, and motion during a
-        set is not noticed.
+    target : str, AnyTarget or sequence of these, optional
+        The target that the pictures show, which a scene and a shoot that is replayed bring with them; several
+        in a list are boards side by side. Without it the code of a print tells it; where there is none, the
+        shoot names no target, and motion during a set is not noticed.
     settings : CaptureSettings, optional
         How many views, how often, which sets are refused, a stage's readings, the sources' own settings, and
         those of a guided capture.
@@ -79,7 +82,7 @@ def capture(
 
 def planned_capture(
     sources: str | Sequence[str],
-    target: AnyTarget | AnyPath | None,
+    target: AnyTargets | None,
     settings: "CaptureSettings | None",
     ask: Callable[[str], None] | None,
     progress: Progress | None = None,
@@ -118,6 +121,8 @@ def planned_capture(
     receiver = progress_of(progress)
     run = CaptureRun(f"capture {json.dumps(command, sort_keys=True)}", shown, readings, how, ask)
     if how.guide is not None:
+        if shown is not None:
+            single_board(shown, "A guided capture takes", _PLAIN)
         run = _guided(run, how.guide, simulated[0] if simulated else None)
     if len(made) == 1:
         source: Source = made[0]

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, cast
 
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_file import read_rig
+from labcal.correspond.boards_table import on_target
 from labcal.correspond.detections import Detections
 from labcal.correspond.detections_csv import read_detections
 from labcal.errors import InputError
@@ -13,6 +14,7 @@ from labcal.pipeline.detection import measure_pictures
 from labcal.pipeline.pages import claimed_page, page_maker
 from labcal.run.progress import Progress
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.one_kind import single_board
 
 if TYPE_CHECKING:
     from labcal.correspond.picture_set import AnyPictures
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
 _VIDEOS = frozenset(
     [".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm", ".mpg", ".mpeg", ".wmv", ".mts", ".3gp"]
 )
+
+_TAKES = "A diagnosis takes"
+_ELSE = "Or calibrate from all, which says what is wrong with the pictures of each: 'labcal calibrate'."
 
 
 def diagnose(
@@ -79,10 +84,11 @@ def diagnose(
     known = read_rig(as_path(rig)) if isinstance(rig, str | os.PathLike) else rig
     dots = source if isinstance(source, Detections) else _table(source)
     if dots is not None:
-        evidence = Evidence(target_shown(target, None, rig=known).target, dots, rig=known)
+        shown = single_board(target_shown(target, None, rig=known).target, _TAKES, _ELSE)
+        evidence = Evidence(shown, on_target(dots, shown), rig=known)
     else:
         pictures = open_pictures(cast("AnyPictures", source))
-        shown = pictures.target(target, known)
+        shown = single_board(pictures.target(target, known), _TAKES, _ELSE)
         found = measure_pictures(pictures, shown, workers=workers, progress=progress)
         evidence = Evidence(shown, detections_of(found), pictures.shoot, tuple(found), known)
     diagnosis = diagnosed(evidence)

@@ -10,7 +10,8 @@ from labcal.arguments import settings_of
 from labcal.errors import InputError, LabcalError
 from labcal.paths import AnyPath, as_path
 from labcal.run.progress import Progress, progress_of
-from labcal.targets.catalogue import AnyTarget
+from labcal.targets.catalogue import AnyTargets
+from labcal.targets.one_kind import single_board
 from labcal.wording import counted
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ _LOOK_S = 0.2
 def capture_live(
     sources: str | Sequence[str],
     folder: AnyPath,
-    target: AnyTarget | AnyPath | None = None,
+    target: AnyTargets | None = None,
     settings: "CaptureSettings | None" = None,
     live: "LiveSettings | None" = None,
     progress: Progress | None = None,
@@ -102,6 +103,8 @@ def capture_live(
     if given.guide is None and given.stage is None:
         given = replace(given, guide=GuideSettings())
     source, run = planned_capture(sources, target, given, None)
+    if run.target is not None:
+        single_board(run.target, "The page of a capture takes", "Or capture without the page.")
     dots = ShootDots(as_path(folder), run.target)
     ending = _Ending(dots, as_path(folder), how, Board(), force=run.settings.force)
     previewed = Previewed(source)

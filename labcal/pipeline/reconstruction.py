@@ -86,7 +86,8 @@ def reconstruct(
         or the table of them, are reconstructed as by :func:`measure`.
     target : Target, str or sequence of these, optional
         What the dots are of, so that centroids give centres; several in a list are boards side by side. If
-        left out, that of the shoot, or else the one that the rig was calibrated with. With named pixels, the target that lies in the frame.
+        left out, that of the shoot, or else the one that the rig was calibrated with. With named pixels, the
+        target that lies in the frame.
     progress : Progress, optional
         Of the detection.
     settings : MeasureSettings, optional

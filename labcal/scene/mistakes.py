@@ -10,8 +10,8 @@ from labcal.errors import InputError
 from labcal.geometry.poses import from_rotation_vector, pose
 from labcal.rng import generator
 from labcal.scene.motion import Track
-from labcal.scene.printed import grid_of
 from labcal.scene.take import Take
+from labcal.targets.one_kind import grid_of
 from labcal.targets.target import PrintableTarget
 
 PITCH_FACTOR = 1.03

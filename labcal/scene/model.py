@@ -17,11 +17,11 @@ from labcal.scene.motion import Motion, ShutterKind
 from labcal.scene.occluders import Occluder
 from labcal.scene.photometry import Photometry
 from labcal.scene.placement import Placement
-from labcal.scene.printed import grid_of
 from labcal.scene.room import Room
 from labcal.targets.board_set import BoardSet, Mounting
 from labcal.targets.catalogue import DescribedTarget, described_target
 from labcal.targets.grid import DotGrid
+from labcal.targets.one_kind import grid_of
 from labcal.targets.one_sheet import require_one_sheet
 
 MOST_SAMPLES = 65536
@@ -46,7 +46,7 @@ class Scene(BaseModel):
     description: str = ""
     """Description of the scene, for people."""
     target: DescribedTarget
-    """The target; in a file the name of one, or its whole description; a list of these is boards side by side."""
+    """The target; in a file the name of one, or its whole description; a list: boards side by side."""
     cameras: Annotated[dict[Name, CameraDescription], Field(min_length=1)]
     """Cameras by name."""
     placement: Placement
@@ -87,9 +87,9 @@ class Scene(BaseModel):
         if isinstance(target, BoardSet):
             if target.mounting is Mounting.SEPARATE:
                 raise ValueError(
-                    f"the boards of '{target.name}' move separately, but the laboratory holds one plate: take "
-                    f"one of them, such as '{target.names[0]}', or state that they are fixed to one plate: "
-                    "'mounting: rigid'"
+                    f"the boards of '{target.name}' move separately, but the laboratory holds one plate: "
+                    f"take one of them, such as '{target.names[0]}', or state that they are fixed to one "
+                    "plate: 'mounting: rigid'"
                 )
             try:
                 require_one_sheet(target)

@@ -3,16 +3,14 @@
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.errors import InputError
 from labcal.targets.board_set import BoardSet
 from labcal.targets.chessboard import Chessboard
 from labcal.targets.grid import DotGrid, GridIndex
-from labcal.targets.registry import kind_of
 from labcal.targets.target import PrintableTarget
 
 
 def steps_mm(target: PrintableTarget) -> Float64[np.ndarray, "2"]:
-    """Return the distance from column to column and from row to row, mm; of boards, those of the first one."""
+    """Return the distance from column to column and from row to row, mm; of several boards, of the first."""
     if isinstance(target, BoardSet):
         target = target.targets[0]
     places = target.points(np.array([[0, 0], [1, 0], [0, 1]]))
@@ -34,25 +32,3 @@ def key_indices(target: PrintableTarget) -> tuple[GridIndex, ...]:
     if isinstance(target, DotGrid | Chessboard):
         return target.key_indices
     return ()
-
-
-def grid_of(target: PrintableTarget, who: str) -> DotGrid:
-    """Return a target that is a grid of dots.
-
-    Parameters
-    ----------
-    target : PrintableTarget
-    who : str
-        Subject and verb of what takes nothing else, for the message.
-
-    Raises
-    ------
-    InputError
-        It is of another kind.
-    """
-    if isinstance(target, DotGrid):
-        return target
-    raise InputError(
-        f"{who} grids of dots only, and the target '{target.name}' is of the kind '{kind_of(target).name}'. "
-        "Name another one, such as plain-11x8."
-    )

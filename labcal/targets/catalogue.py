@@ -23,8 +23,8 @@ AnyTarget = PrintableTarget
 """A target of any registered kind."""
 
 
-def _kind(content: dict[str, Any]) -> TargetKind:
-    """Return which kind of target a description is of; grids of dots do not state it."""
+def stated_kind(content: dict[str, Any]) -> TargetKind:
+    """Return the kind of target of a description; grids of dots do not state it."""
     name = content.get("kind", BOARDS if BOARDS_KEY in content else PLAIN)
     if not isinstance(name, str) or (name == PLAIN and "kind" in content):
         named = ", ".join(kind for kind in target_kinds() if kind != PLAIN)
@@ -38,7 +38,7 @@ def _described(value: object) -> AnyTarget:
         return value
     if not isinstance(value, dict):
         raise ValueError("a target is a mapping of keys to values")  # noqa: TRY004 -- pydantic takes only this
-    return cast("AnyTarget", _kind(value).model.model_validate(value))
+    return cast("AnyTarget", stated_kind(value).model.model_validate(value))
 
 
 def described_target(value: object) -> AnyTarget:
@@ -139,7 +139,7 @@ def load_target(name: AnyPath) -> AnyTarget:
         beside = [_beside(board, Path(name).parent) for board in content[BOARDS_KEY]]
         content = {"name": Path(name).stem, **content, BOARDS_KEY: beside}
     try:
-        kind = _kind(content)
+        kind = stated_kind(content)
     except UnknownNameError:
         raise
     except InputError as error:
@@ -164,32 +164,3 @@ def validated_target(kind: TargetKind, name: str, content: dict[str, Any]) -> An
     if not isinstance(found, PrintableTarget):  # which registering has made sure of
         raise InputError(f"The kind '{kind.name}' describes no target.")
     return found
-
-
-def described_grid(given: object, who: str, instead: str) -> object:
-    """Return what a description names as its target, which must be a grid of dots, to be validated.
-
-    Parameters
-    ----------
-    given : object
-        The name of a target, or a description of one.
-    who : str
-        Who takes nothing else, with the verb, for messages.
-    instead : str
-        The name of a target that would do.
-
-    Raises
-    ------
-    ValueError
-        It is of another kind: for a validator, which says of what file.
-    UnknownNameError, InputError
-        As of :func:`load_target`.
-    """
-    target = load_target(given) if isinstance(given, str) else given
-    kind = target.get("kind") if isinstance(target, dict) else getattr(target, "kind", None)
-    if kind is not None:
-        raise ValueError(
-            f"{who} grids of dots only, and the target is of the kind '{kind}': name another one, such as "
-            f"{instead}"
-        )
-    return target

@@ -70,8 +70,9 @@ def other_target_note(rig: Rig, shown: Target | DotPlaces) -> str | None:
         return None
     given, kept = target_record(shown).root, rig.target.root
     boards = kept.get(BOARDS_KEY)
-    if isinstance(boards, list) and shown.name in [b.get("name") for b in boards if isinstance(b, dict)]:
-        kept = next(board for board in boards if board.get("name") == shown.name)  # one of several
+    for board in boards if isinstance(boards, list) else ():
+        if isinstance(board, dict) and board.get("name") == shown.name:  # one of several
+            kept = board
     keys = (given.keys() | kept.keys()) - _FOR_PEOPLE - _OF_A_PLATE
     different = sorted(key for key in keys if given.get(key) != kept.get(key))
     if not different:

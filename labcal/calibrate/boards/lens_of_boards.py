@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from labcal.calibrate.boards.several import calibrate_boards
 from labcal.calibrate.boards.rigid_boards import refuse_freed
+from labcal.calibrate.boards.several import calibrate_boards
 from labcal.calibrate.default_lens import calibrate_with_default_lens
 from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld_calibration import HandheldCalibration

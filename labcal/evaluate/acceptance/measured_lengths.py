@@ -64,7 +64,8 @@ def measured_lengths(given: AnyPoints, lengths: ReferenceLengths) -> MeasuredLen
     if len(measured) == 0:
         raise InputError(
             f"Not one of {counted(len(lengths), 'length')} was measured: {missing[0]}. Take views and points "
-            "as they are named in the table of points; a dot of a target is named col:row, as in 3:4, one of several boards board-a:3:4."
+            "as they are named in the table of points; a dot of a target is named col:row, as in 3:4, one of "
+            "several boards board-a:3:4."
         )
     for number in measured.tolist():
         found[:, number] = _length(given, points, *ends[number].tolist())

@@ -10,8 +10,8 @@ from labcal.guide.rehearsal.planned_camera import PlannedCamera
 from labcal.run.names import Name, differ_in_case
 from labcal.scene.camera import Coordinate, Vector
 from labcal.scene.photometry import Photometry
-from labcal.targets.catalogue import described_grid
 from labcal.targets.grid import DotGrid
+from labcal.targets.one_kind import described_grid
 
 LEAST_CAMERAS = 2
 FEWEST_VIEWS, MOST_VIEWS = 3, 200

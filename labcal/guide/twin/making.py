@@ -25,8 +25,10 @@ from labcal.guide.twin.verdicts import picture_verdicts
 from labcal.run.executor import finished, open_executor
 from labcal.run.progress import Progress
 from labcal.shoot.tone_curve import ToneCurve
+from labcal.targets.board_set import BoardSet
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.grid import DotGrid
+from labcal.targets.one_kind import single_board
 from labcal.targets.places import DotPlaces
 from labcal.wording import counted, listed
 
@@ -67,6 +69,8 @@ def known_print(given: AnyTarget | DotPlaces) -> KnownPrint:
         It is not one of dots.
     """
     target = given.target if isinstance(given, DotPlaces) else given
+    if isinstance(target, BoardSet):
+        single_board(target, "A twin takes", "It should be one of dots.")
     if not isinstance(target, DotGrid):
         raise InputError(
             f"A twin renders targets of dots, but '{target.name}' is of another kind. Give a shoot of one "

@@ -8,6 +8,7 @@ from scipy.linalg import block_diag
 
 from labcal.arrays import AnyArray
 from labcal.cameras.rig import Rig
+from labcal.correspond.boards_table import on_target
 from labcal.correspond.detections_csv import read_detections
 from labcal.correspond.named_points import NamedPoints
 from labcal.errors import InputError, UnknownNameError
@@ -18,6 +19,7 @@ from labcal.reconstruct.frames.fitted_frame import FittedFrame, FrameCalibration
 from labcal.reconstruct.frames.known_points import read_known_points
 from labcal.reconstruct.point_budget import Budget, PointBudget
 from labcal.reconstruct.scale.scaled_budget import ScaledBudget
+from labcal.targets.board_set import BoardSet
 from labcal.targets.target import Target
 from labcal.wording import clipped, counted, listed, printable
 
