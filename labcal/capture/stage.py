@@ -10,6 +10,7 @@ from labcal.arrays import Pose
 from labcal.errors import InputError
 from labcal.geometry.poses import from_fixed_angles_deg, pose
 from labcal.paths import AnyPath, as_path
+from labcal.run.decimal_words import decimal
 from labcal.run.names import differ_in_case, is_name
 from labcal.run.tables import damaged_line, read_table
 from labcal.shoot.manifest import Role
@@ -65,7 +66,7 @@ def _reading(path: Path, number: int, line: list[str]) -> StageView:
     if role not in {one.value for one in Role}:
         raise damaged_line(path, number, line, "the role is train or test")
     try:
-        values = [float(figure) for figure in figures]
+        values = [decimal(figure) for figure in figures]
     except ValueError:
         values = []
     if len(values) != len(figures) or not all(map(isfinite, values)):

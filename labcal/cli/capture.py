@@ -16,6 +16,7 @@ from labcal.cli.print_scale import add_print_scale
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.errors import InputError
+from labcal.run.decimal_words import decimal
 from labcal.wording import counted
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument(
         "--interval-s",
-        type=float,
+        type=decimal,
         default=1.0,
         metavar="S",
         help="seconds between views of live cameras (default 1)",
@@ -83,25 +84,27 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument(
         "--video-offset",
-        type=float,
+        type=decimal,
         metavar="FRAMES",
         help="of two videos: how many frames later a moment comes in the second one; estimated from the "
         "target's motion where not given",
     )
     parser.add_argument(
-        "--exposure-us", type=float, metavar="T", help="exposure time to set and lock, microseconds"
+        "--exposure-us", type=decimal, metavar="T", help="exposure time to set and lock, microseconds"
     )
-    parser.add_argument("--gain", type=float, metavar="G", help="gain to set and lock, in the device's unit")
+    parser.add_argument(
+        "--gain", type=decimal, metavar="G", help="gain to set and lock, in the device's unit"
+    )
     parser.add_argument(
         "--timeout-s",
-        type=float,
+        type=decimal,
         default=5.0,
         metavar="S",
         help="longest wait for a picture, seconds (default 5)",
     )
     parser.add_argument(
         "--max-skew-ms",
-        type=float,
+        type=decimal,
         default=50.0,
         metavar="MS",
         help="refuse sets whose pictures are further apart in time (default 50)",

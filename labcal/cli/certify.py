@@ -8,6 +8,7 @@ from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.errors import InputError
+from labcal.run.decimal_words import decimal
 
 _OF_A_TEST = {
     "lengths": None, "rig": None, "limit_mm": None, "limit_ppm": 0.0, "rule": "iso-14253-1",
@@ -55,9 +56,11 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument("--force", action="store_true", help="replace what labcal made there")
     parser.add_argument("--rig", type=Path, metavar="RIG", help="with points.csv: what measured them")
-    parser.add_argument("--limit-mm", type=float, metavar="MM", help="largest permissible error of a length")
     parser.add_argument(
-        "--limit-ppm", type=float, default=0.0, metavar="PPM", help="part of it that grows with the length"
+        "--limit-mm", type=decimal, metavar="MM", help="largest permissible error of a length"
+    )
+    parser.add_argument(
+        "--limit-ppm", type=decimal, default=0.0, metavar="PPM", help="part of it that grows with the length"
     )
     parser.add_argument(
         "--rule",
@@ -67,7 +70,7 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument(
         "--confidence",
-        type=float,
+        type=decimal,
         default=0.95,
         metavar="P",
         help="probability of what is proven (0.95)",
@@ -80,18 +83,18 @@ def add_parser(commands: CommandGroup) -> None:
         "error (default); or both, so that the limit is for errors that stay in a repetition",
     )
     parser.add_argument(
-        "--pixel-sigma", type=float, metavar="PX", help="noise of pixels that state no covariance"
+        "--pixel-sigma", type=decimal, metavar="PX", help="noise of pixels that state no covariance"
     )
     parser.add_argument(
         "--volume-mm", metavar="X,Y,Z", help="sides of the volume that is tested, or planned for"
     )
     parser.add_argument("--operator", metavar="NAME", help="who makes the test")
-    parser.add_argument("--temperature-c", type=float, metavar="DEG", help="temperature, degrees Celsius")
+    parser.add_argument("--temperature-c", type=decimal, metavar="DEG", help="temperature, degrees Celsius")
     parser.add_argument("--date", metavar="YYYY-MM-DD", help="date of the test (default: today)")
     parser.add_argument(
         "--plan", action="store_true", help="plan lengths over --volume-mm, and write the form to fill in"
     )
-    parser.add_argument("--longest-mm", type=float, metavar="MM", help="of --plan: length of the scale bar")
+    parser.add_argument("--longest-mm", type=decimal, metavar="MM", help="of --plan: length of the scale bar")
 
 
 def run(arguments: Namespace, session: Session) -> ExitStatus:

@@ -17,6 +17,7 @@ from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
 from labcal.errors import InputError
+from labcal.run.decimal_words import decimal
 
 if TYPE_CHECKING:
     from labcal.correspond.detections import Detections
@@ -82,7 +83,7 @@ def add_parser(commands: CommandGroup) -> None:
         "--date", metavar="DATE", help="of the check in the log, ISO 8601 (default: now, in UTC)"
     )
     parser.add_argument(
-        "--temperature-c", type=float, metavar="C", help="temperature in the log, degrees Celsius"
+        "--temperature-c", type=decimal, metavar="C", help="temperature in the log, degrees Celsius"
     )
     parser.add_argument("--note", default="", metavar="TEXT", help="a note in the log")
     add_page(parser)

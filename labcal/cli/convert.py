@@ -8,6 +8,7 @@ from labcal.cli.options import OnceAction
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.run.decimal_words import decimal
 from labcal.wording import counted
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ def add_parser(commands: CommandGroup) -> None:
     )
     parser.add_argument(
         "--likelihood",
-        type=float,
+        type=decimal,
         metavar="P",
         help="of --from dlc: least likelihood of a pixel that is used (0.6 if left out)",
     )

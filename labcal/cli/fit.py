@@ -20,6 +20,7 @@ from labcal.cli.options import (
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.run.decimal_words import decimal
 
 if TYPE_CHECKING:
     from labcal.correspond.dot_source import DotSource
@@ -79,14 +80,14 @@ def add_parser(commands: CommandGroup) -> None:
     add_dot_places(parser, " (of a hand-held target)")
     parser.add_argument(
         "--stage-sigma-mm",
-        type=float,
+        type=decimal,
         metavar="MM",
         help="standard deviation of the stage's places of the target along each axis, independent between "
         "views; covariances of points then hold what it adds",
     )
     parser.add_argument(
         "--stage-sigma-deg",
-        type=float,
+        type=decimal,
         metavar="DEG",
         help="the same of its rotations of the target about each axis through the target's origin",
     )

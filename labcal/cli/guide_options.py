@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from labcal.cli.numbers import numbers
 from labcal.errors import InputError
+from labcal.run.decimal_words import decimal
 
 if TYPE_CHECKING:
     from labcal.capture.guide_settings import GuideSettings
@@ -22,7 +23,7 @@ def add_guide(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--wanted-mm",
-        type=float,
+        type=decimal,
         metavar="MM",
         help="with --guided: RMS 3-D error over the volume at which to end, mm",
     )

@@ -10,6 +10,7 @@ from labcal.cli.named_points import frame_path, measure_settings, point_outputs,
 from labcal.cli.options import add_cameras, add_detector_settings, add_workers, refuse_option
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.run.decimal_words import decimal
 
 _WITH_MARKS = ("mark_diameter", "cameras", "raw", "tone_curve", "overlay", "pixels", "workers")
 
@@ -34,7 +35,7 @@ def add_marks(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--mark-diameter",
-        type=float,
+        type=decimal,
         metavar="MM",
         help="diameter of plain and of coded dots, by which wrong matches and wrong scales are told; a sheet "
         "of coded dots states its own",

@@ -10,6 +10,7 @@ from labcal.cli.options import refuse_option
 from labcal.cli.ply import ply_outputs, write_ply_beside
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.run.decimal_words import decimal
 
 if TYPE_CHECKING:
     from labcal.cameras.rig import Rig
@@ -25,7 +26,7 @@ def add_named_points(parser: argparse.ArgumentParser) -> None:
     """Add the fields of `MeasureSettings` as options."""
     parser.add_argument(
         "--pixel-sigma",
-        type=float,
+        type=decimal,
         metavar="PX",
         help="standard deviation of x and of y of the named pixels that state no covariance",
     )
@@ -49,7 +50,7 @@ def add_named_points(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--scale-sigma-ppm",
-        type=float,
+        type=decimal,
         metavar="PPM",
         help="standard deviation of the rig's scale before the bars (default: the bars alone give the scale)",
     )

@@ -1,6 +1,7 @@
 """Numbers in an option, with commas between them."""
 
 from labcal.errors import InputError
+from labcal.run.decimal_words import decimal
 from labcal.wording import clipped, printable
 
 
@@ -22,7 +23,7 @@ def numbers(text: str | None, name: str) -> tuple[float, ...]:
     if text is None:
         return ()
     try:
-        return tuple(float(part) for part in text.split(","))
+        return tuple(decimal(part) for part in text.split(","))
     except ValueError:
         raise InputError(
             f"`{name}` takes numbers with commas between them, as in 600,800, but "

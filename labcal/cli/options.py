@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from labcal.errors import InputError
+from labcal.run.decimal_words import decimal
 from labcal.run.machine import usable_cores
 
 _OTHER_NAMES = {"source": "from", "wanted": "to"}
@@ -241,6 +242,7 @@ def positive_number(text: str) -> int:
 def _integer(text: str, *, least: int) -> int:
     """Read an integer not below `least`."""
     try:
+        decimal(text)  # Python alone takes 1_0 for 10, and digits of other scripts
         number = int(text)
     except ValueError:
         number = None

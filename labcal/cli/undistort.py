@@ -8,6 +8,7 @@ from labcal.cli.options import add_cameras, add_output
 from labcal.cli.parser import CommandGroup
 from labcal.cli.session import Session
 from labcal.cli.status import ExitStatus
+from labcal.run.decimal_words import decimal
 
 
 def add_parser(commands: CommandGroup) -> None:
@@ -46,7 +47,7 @@ def _distance(text: str) -> float:
     from labcal.bounds import LEAST_MM, MOST_MM
 
     try:
-        value = float(text)
+        value = decimal(text)
     except ValueError:
         value = math.nan
     if not LEAST_MM <= value <= MOST_MM:

@@ -9,6 +9,7 @@ from jaxtyping import Float, Shaped
 
 from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath, as_text
+from labcal.run.decimal_words import decimal
 from labcal.run.tables import damaged_line, read_table
 
 HEADER = ("value", "light")
@@ -129,7 +130,7 @@ def find_tone_curve(given: AnyToneCurve | AnyPath) -> AnyToneCurve:
     rows: list[tuple[float, float]] = []
     for number, line in enumerate(read_table(HEADER, "tone curve", path)):
         try:
-            value, shone = (float(figure) for figure in line)
+            value, shone = (decimal(figure) for figure in line)
         except ValueError as error:
             raise damaged_line(path, number, line, "two numbers are expected") from error
         if len(rows) == _MOST_POINTS:

@@ -43,15 +43,29 @@ class Table:
     """By labcal."""
     stated: Callable[[str], Found]
     """By a reader that shares no code with it."""
+    file: str = ""
+    """Its path in the folder; ``board.yaml`` of a target, else ``table.txt``, where left out."""
+
+    @property
+    def place(self) -> str:
+        """The path of the file in its folder."""
+        return self.file or ("board.yaml" if self.name.startswith("target") else "table.txt")
+
+    @property
+    def is_in_part(self) -> bool:
+        """True where each number that is stated must be read, and others may have been left out."""
+        return self.name.startswith(("target", "document"))
 
 
-def _number(word: str) -> float:
+def number_of(word: str) -> float:
+    """Return a decimal number; raise ``ValueError`` where a word is none."""
     if not _NUMBER.fullmatch(word.strip(" \t\r\n")):
         raise ValueError(word)
     return float(word)
 
 
-def _rows(text: str) -> list[dict[str, str]]:
+def table_rows(text: str) -> list[dict[str, str]]:
+    """Return the lines of a table by their columns."""
     return list(csv.DictReader(io.StringIO(text)))
 
 
@@ -78,13 +92,14 @@ def _read_detections(path: Path) -> Found:
 
 def _stated_detections(text: str) -> Found:
     found: Found = []
-    for row in _rows(text):
+    for row in table_rows(text):
         numbers = [
-            _number(row[key] or "nan") for key in ("col", "row", "x_px", "y_px", "var_xx", "var_xy", "var_yy")
+            number_of(row[key] or "nan")
+            for key in ("col", "row", "x_px", "y_px", "var_xx", "var_xy", "var_yy")
         ]
         if math.isnan(numbers[0]) or math.isnan(numbers[1]):
             numbers[:2] = [math.nan, math.nan]
-        sizes = _number(row["width_px"]), _number(row["height_px"])
+        sizes = number_of(row["width_px"]), number_of(row["height_px"])
         found.append((row["view"], row["camera"], row["image"], *sizes, *numbers, row["flag"]))
     return found
 
@@ -105,8 +120,8 @@ def _of_pixels(table: NamedPixels) -> Found:
 
 def _stated_pixels(text: str) -> Found:
     keys = ("x_px", "y_px", "var_xx", "var_xy", "var_yy")
-    return [(row["view"], row["camera"], row["point"], *(_number(row[key] or "nan") for key in keys))
-            for row in _rows(text)]  # fmt: skip
+    return [(row["view"], row["camera"], row["point"], *(number_of(row[key] or "nan") for key in keys))
+            for row in table_rows(text)]  # fmt: skip
 
 
 def _corners() -> str:
@@ -138,7 +153,7 @@ def _stated_corners(text: str) -> Found:
         for n, words in enumerate(lines):
             if "-" in words:
                 continue
-            x, y, level = (_number(word) for word in words)
+            x, y, level = (number_of(word) for word in words)
             if min(x, y, level) >= 0.0:
                 points.append((image, float(n % 5), float(3 - n // 5), x, y, 4.0**level))
         found += sorted(points, key=lambda one: (one[2], one[1]))
@@ -156,29 +171,34 @@ _TARGETS = {
 }
 
 
-def _leaves(node: Any, path: str = "") -> Iterator[tuple[str, object]]:
+def leaves(node: Any, path: str = "") -> Iterator[tuple[str, object]]:
+    """Yield the values in a tree with the keys that lead to them."""
     if isinstance(node, dict):
         for key, value in node.items():
-            yield from _leaves(value, f"{path}.{key}")
+            yield from leaves(value, f"{path}.{key}")
     elif isinstance(node, list | tuple):
         for n, value in enumerate(node):
-            yield from _leaves(value, f"{path}.{n}")
+            yield from leaves(value, f"{path}.{n}")
     else:
         yield path, node
 
 
-def _read_target(path: Path) -> Found:
-    tree = load_target(str(path)).model_dump(mode="json")
+def numbers_in(tree: object) -> Found:
+    """Return the numbers in a tree with the keys that lead to them."""
     return [
         (key, float(value))
-        for key, value in _leaves(tree)
-        if isinstance(value, int | float) and value is not True
+        for key, value in leaves(tree)
+        if isinstance(value, int | float) and not isinstance(value, bool)
     ]
+
+
+def _read_target(path: Path) -> Found:
+    return numbers_in(load_target(str(path)).model_dump(mode="json"))
 
 
 def _stated_target(text: str) -> Found:
     found: Found = []
-    for key, value in _leaves(yaml.load(text, yaml.BaseLoader)):  # noqa: S506 -- words only
+    for key, value in leaves(yaml.load(text, yaml.BaseLoader)):  # noqa: S506 -- words only
         if _NUMBER.fullmatch(str(value)):
             found.append((key, float(str(value))))
     return found
@@ -215,7 +235,7 @@ def _stated_dlc(text: str) -> Found:
         for at in range(1, len(row)):
             if rows[2][at] != "x":
                 continue
-            x, y, likelihood = (_number(row[at + n] or "nan") for n in range(3))
+            x, y, likelihood = (number_of(row[at + n] or "nan") for n in range(3))
             if likelihood >= _LIKELY and not math.isnan(x):
                 found.append((row[0].strip(), rows[1][at], x, y))
     return found
@@ -246,17 +266,19 @@ TABLES = {
 """By name."""
 
 
-def table_readings(name: str, folder: Path, seed: int, count: int) -> Iterator[Reading]:
+def table_readings(table: Table, folder: Path, seed: int, count: int) -> Iterator[Reading]:
     """Yield what comes of mutants of a kind of table; parameters as of :func:`fuzz.faithful.readings`."""
-    table = TABLES[name]
+    name = table.name
     rng = np.random.default_rng([seed, *name.encode()])
     for picture in ("a1.png", "a10.png", "b1.png", "b2.png"):
         (folder / picture).touch()
-    path = folder / ("board.yaml" if name.startswith("target") else "table.txt")
+    (folder / "right.txt").write_text("b1.png\nb2.png\n", encoding="utf-8")
+    path = folder / table.place
+    path.parent.mkdir(exist_ok=True)
     data = table.text.encode()
     path.write_bytes(data)
     meant = table.read(path)
-    if not _same(meant, table.stated(table.text), name):
+    if not _same(meant, table.stated(table.text), table):
         raise RuntimeError(f"The judge of {name} reads another thing than labcal before any mutation.")
     for number, mutant in enumerate(file_mutants(data, rng, count, binary=False), 1):
         path.write_bytes(mutant)
@@ -272,13 +294,13 @@ def table_readings(name: str, folder: Path, seed: int, count: int) -> Iterator[R
             stated, why = table.stated(mutant.decode("utf-8-sig").replace("\r\n", "\n")), ""
         except Exception as error:  # noqa: BLE001 -- a small reader fails as it likes
             stated, why = meant, f" (the other reader: {type(error).__name__} {error})"
-        same = _same(found, stated, name)
+        same = _same(found, stated, table)
         yield Reading(number, path.name, mutant, False, () if same else (f"another content{why}",))
 
 
-def _same(found: Found, stated: Found, name: str) -> bool:
-    """Tell whether what was read is what is stated; of a target, each number that is stated."""
-    if name.startswith("target"):
+def _same(found: Found, stated: Found, table: Table) -> bool:
+    """Tell whether what was read is what is stated; of a document, each number that is stated."""
+    if table.is_in_part:
         there = dict(found)
         return all(key in there and _equal(there[key], value) for key, value in stated)
     return len(found) == len(stated) and all(

@@ -12,6 +12,7 @@ from collections import Counter
 from pathlib import Path
 
 from fuzz.faithful import readings
+from fuzz.faithful_documents import DOCUMENTS
 from fuzz.faithful_tables import TABLES, table_readings
 from fuzz.stated_cameras import READERS
 
@@ -28,13 +29,14 @@ def main() -> int:
     )
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
+    every = {**TABLES, **DOCUMENTS}
     faults = 0
-    for name in arguments.names or [*READERS, *TABLES]:
+    for name in arguments.names or [*READERS, *every]:
         counts: Counter[str] = Counter()
         started = time.monotonic()
         with tempfile.TemporaryDirectory() as folder:
-            of = readings if name in READERS else table_readings
-            for one in of(name, Path(folder), arguments.seed, arguments.count):
+            how = Path(folder), arguments.seed, arguments.count
+            for one in readings(name, *how) if name in READERS else table_readings(every[name], *how):
                 counts["refused" if one.refused else "read"] += 1
                 counts["faults"] += bool(one.faults)
                 if one.faults and counts["faults"] <= _SHOWN:

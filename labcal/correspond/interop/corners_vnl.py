@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
+from labcal.correspond.boards_table import on_target
 from labcal.correspond.detections import Detections
 from labcal.correspond.interop.corners_lines import points_by_image, positive_sigma, whole_grid
 from labcal.correspond.matching import require_on_target
@@ -80,6 +81,7 @@ def corners_text(detections: Detections, target: AnyTarget) -> CornersText:
     """
     _require_rows_and_columns(target)
     _require_square(target)
+    detections = on_target(detections, target)
     # mrcal takes a negative pixel for a missing point, so such a line would be lost in silence.
     usable = detections.where(detections.ok & (detections.position >= 0.0).all(axis=1))
     require_on_target(usable, target)
