@@ -45,7 +45,7 @@ _CHARUCO = (
 _CHESSBOARD = "{kind: chessboard, name: b, cols: 9, rows: 6, square_mm: 25.5}"
 _PLACES = """places:
   - T_set_board: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
-  - T_set_board: [[0.6, -0.8, 0.0, 310.25], [0.8, 0.6, 0.0, 12.5], [0.0, 0.0, 1.0, -3.75], [0.0, 0.0, 0.0, 1.0]]
+  - T_set_board: [[0.6, -0.8, 0.0, 310.5], [0.8, 0.6, 0.0, 12.5], [0.0, 0.0, 1.0, -3.7], [0.0, 0.0, 0.0, 1.0]]
     sigma_rotation_rad: [0.001, 0.0012, 0.0015]
     sigma_mm: [0.04, 0.05, 0.16]
 """
@@ -343,7 +343,8 @@ def _read_lists(path: Path) -> Found:
 
 def _stated_lists(text: str) -> Found:
     names = [line.strip() for line in text.splitlines() if line.strip() and not line.strip().startswith("#")]
-    return [*((name, "left") for name in names), *((name, "right") for name in ("b1.png", "b2.png"))]
+    pairs = zip(names, ("b1.png", "b2.png"), strict=True)
+    return [one for name, other in pairs for one in ((name, "left"), (other, "right"))]
 
 
 _ROWS = range(6)

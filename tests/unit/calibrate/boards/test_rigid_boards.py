@@ -1,105 +1,23 @@
 """Cameras from boards on one plate: the rig, the boards' places, and how sure they are."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from plate import PLATE, SIGMA_PX, T_A_B, Sees, board, cameras, in_turn, never_shared, plate_poses, seen
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
 from labcal.calibrate.calibration import Calibration, calibrated
+from labcal.calibrate.eccentricity import Discs, dot_eccentricities
 from labcal.calibrate.handheld import HandheldSettings
-from labcal.cameras.camera import Camera
 from labcal.correspond.boards_table import on_target
 from labcal.correspond.detections import Detections
 from labcal.errors import InputError
-from labcal.geometry.poses import from_rotation_vector, inverse, transform
+from labcal.geometry.poses import from_rotation_vector, inverse
 from labcal.targets.board_set import BoardPlace, BoardSet, Mounting
 from labcal.targets.catalogue import target_of
-
-SIGMA_PX = 0.05
-T_A_B = from_rotation_vector(np.array([0.05, -0.3, 0.1]), np.array([175.0, 12.0, 20.0]))
-Sees = Callable[[int, str, str], bool]
-"""Whether a board is seen in a view by a camera."""
-
-
-def board(name: str, first_id: int) -> dict[str, object]:
-    return {
-        "kind": "charuco",
-        "name": name,
-        "squares": (7, 5),
-        "square_mm": 20.0,
-        "marker_mm": 15.0,
-        "dictionary": "DICT_4X4_100",
-        "first_id": first_id,
-    }
-
-
-PLATE = BoardSet(name="plate", targets=(board("a", 0), board("b", 40)))
-
-
-def cameras() -> dict[str, Camera]:
-    K = np.array([[700.0, 0.0, 322.4], [0.0, 704.0, 237.1], [0.0, 0.0, 1.0]])
-    T = from_rotation_vector(np.array([0.02, 0.2, -0.03]), np.array([-160.0, 6.0, 25.0]))
-    return {
-        "left": Camera(K, "brown-k1k2", np.array([-0.2, 0.05, 0.0, 0.0, 0.0]), np.eye(4), (640, 480)),
-        "right": Camera(K, "brown-k1k2", np.array([-0.18, 0.04, 0.0, 0.0, 0.0]), T, (640, 480)),
-    }
-
-
-def plate_poses(rng: np.random.Generator, views: int) -> list[np.ndarray]:
-    """Return ``T_world_set`` of views in which the plate is tilted every way."""
-    found = []
-    for number in range(views):
-        azimuth = 2 * np.pi * number / views + rng.uniform(0, 0.5)
-        tilt = 0.5 * np.array([np.cos(azimuth), np.sin(azimuth), 0.5 * rng.normal()])
-        R = np.diag([1.0, -1.0, -1.0]) @ Rotation.from_rotvec(tilt).as_matrix()
-        middle = rng.uniform([-20, -25, 480], [90, 25, 600])
-        T = np.eye(4)
-        T[:3, :3], T[:3, 3] = R, middle - R @ np.array([140.0, 40.0, 5.0])
-        found.append(T)
-    return found
-
-
-def seen(poses: list[np.ndarray], sees: Sees, rng: np.random.Generator) -> Detections:
-    """Return what a perfect detector measures, with noise; each board by its own name and indices."""
-    parts = []
-    for view, T_world_set in enumerate(poses):
-        for name, camera in cameras().items():
-            for one, T_set_board in zip(PLATE.targets, (np.eye(4), T_A_B), strict=True):
-                if not sees(view, name, one.name):
-                    continue
-                q = camera.project(transform(T_world_set @ T_set_board, one.points())).q
-                q = q + SIGMA_PX * rng.standard_normal(q.shape)
-                mine = np.flatnonzero(camera.in_picture(q))
-                n = len(mine)
-                parts.append(
-                    Detections(
-                        view=np.full(n, f"v{view:02d}"),
-                        camera=np.full(n, name),
-                        image=np.full(n, f"v{view:02d}_{name}.png"),
-                        size=np.tile(camera.size, (n, 1)),
-                        index=one.indices()[mine],
-                        has_id=np.full(n, fill_value=True),
-                        position=q[mine],
-                        covariance=np.tile(SIGMA_PX**2 * np.eye(2), (n, 1, 1)),
-                        flag=np.full(n, "ok"),
-                        board=np.full(n, one.name),
-                    )
-                )
-    names = list(parts[0].__dataclass_fields__)
-    return Detections(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
-
-
-def in_turn(view: int, camera: str, board_name: str) -> bool:
-    """Camera 1 sees board A alone and camera 2 board B alone, but in every third view both see both."""
-    return view % 3 == 0 or (camera == "left") == (board_name == "a")
-
-
-def never_shared(_view: int, camera: str, board_name: str) -> bool:
-    """Each camera sees a board of its own, always."""
-    return (camera == "left") == (board_name == "a")
+from labcal.targets.grid import DotGrid, Rings
 
 
 def made(seed: int, sees: Sees = in_turn, target: BoardSet = PLATE, views: int = 12) -> Calibration:
@@ -197,6 +115,48 @@ def test_one_camera_finds_the_boards_places() -> None:
     assert found.found.boards.places is not None
     shift = found.found.boards.places[1].T[:3, 3] - T_A_B[:3, 3]
     assert (np.abs(shift) < 3.5 * np.array(found.found.boards.places[1].sigma_mm)).all()
+
+
+DOTS = DotGrid(
+    name="b", cols=8, rows=6, pitch_x_mm=16.0, pitch_y_mm=16.0, dot_diameter_mm=11.0,
+    ring_outer_diameter_mm=11.0, ring_inner_diameter_mm=5.0, margin_mm=12.0,
+    rings=Rings(origin=(1, 1), x=(6, 1), y=(1, 4)),
+)  # fmt: skip
+ROUND = BoardSet(name="plate", targets=(board("a", 0), DOTS))
+FINE_PX = 0.004
+
+
+def test_dots_on_a_tilted_board_have_their_own_eccentricity() -> None:
+    rng = np.random.default_rng(11)
+    table = seen(plate_poses(rng, 12), in_turn, rng, ROUND, FINE_PX)
+    found = calibrated(on_target(table, ROUND), ROUND, "brown-k1k2")
+    assert found.found.eccentricity.max > 10 * FINE_PX
+    assert found.found.rms_px < 1.6 * FINE_PX
+    assert max(squares_off(found)) < 9.0
+    assert not any("tilted" in warning for warning in found.warnings)
+
+
+def test_a_tilted_disc_is_imaged_as_by_its_own_board() -> None:
+    rng = np.random.default_rng(12)
+    (T_world_set,) = plate_poses(rng, 1)
+    placed = ROUND.placed(np.stack([np.eye(4), T_A_B]))
+    camera, dots = cameras()["left"], np.arange(DOTS.count)
+    by_set = dot_eccentricities(camera, T_world_set, Discs.of(placed), ROUND.spans[1].start + dots)
+    by_board = dot_eccentricities(camera, T_world_set @ T_A_B, Discs.of(DOTS), dots)
+    assert np.abs(by_set - by_board).max() < 1e-9
+    assert np.abs(by_board).max() > 0.01
+
+
+@pytest.mark.parametrize("lens", ["auto", None])
+def test_views_of_single_boards_choose_the_lens(lens: str | None) -> None:
+    rng = np.random.default_rng(13)
+    table = on_target(seen(plate_poses(rng, 12), never_shared, rng), PLATE)
+    found = calibrated(table, PLATE, lens)
+    assert found.choice is not None
+    assert found.lens == found.choice.lens == ("brown5" if lens is None else "brown-k1k2")
+    assert bool(found.choice.trials) == (lens == "auto")
+    assert found.found.boards is not None
+    assert found.found.views[0] == "v00"
 
 
 def test_dots_of_several_boards_are_not_freed() -> None:

@@ -147,3 +147,19 @@ def test_files_of_two_formats_are_not_one_rig(tmp_path: Path, make_rig: MakeRig)
     with pytest.raises(InputError, match="several formats: mrcal, kalibr"):
         read_rig_files([tmp_path], None)
     assert list(read_rig_files([tmp_path / "a.yaml"], None)[1].rig.cameras) == ["left"]
+
+
+@pytest.mark.parametrize("space", [b"\x85", b"\xa0", b"\x1c", "\u2028".encode(), "\u00a0".encode()])
+@pytest.mark.parametrize("name", ["opencv", "kalibr", "ros"])
+def test_a_minus_sign_is_not_lost_as_a_space(
+    name: str, space: bytes, make_rig: MakeRig, tmp_path: Path
+) -> None:
+    chosen = FORMATS[name]
+    files = chosen.write(make_rig("brown-k1k2" if name == "kalibr" else "brown5"), chosen.suffixes[0]).files
+    for number, file in enumerate(files):
+        text = file.text if isinstance(file.text, bytes) else file.text.encode()
+        damaged = text.replace(b"-0.", space + b"0.", 1)
+        (tmp_path / f"{number}{chosen.suffixes[0]}").write_bytes(damaged if number == 0 else text)
+        assert number > 0 or damaged != text
+    with pytest.raises(InputError):
+        read_rig_files([tmp_path / f"{n}{chosen.suffixes[0]}" for n in range(len(files))], name)
