@@ -240,11 +240,15 @@ def _stated_tracks(text: str) -> Found:
     lines = [line for line in text.split("\n") if not line.startswith("#")]
     found: Found = []
     for head, pixels in zip(lines[::2], lines[1::2], strict=False):
-        image, words = head.split()[9], pixels.split()
+        if not head.strip():
+            if pixels.strip():
+                raise ValueError(pixels)
+            continue
+        image, words = head.split(maxsplit=9)[9].strip(), pixels.split()
         ids = words[2::3]
         for x, y, point in zip(words[::3], words[1::3], ids, strict=True):
             if point != "-1" and ids.count(point) == 1:
-                view, camera = image.removesuffix(".png").rsplit("_", 1)
+                view, camera = image.rsplit(".", 1)[0].rsplit("_", 1)
                 found.append((view, camera, f"point-{point}", number_of(x) - _HALF, number_of(y) - _HALF))
     return found
 
@@ -254,7 +258,7 @@ def _stated_sums(text: str, point: str | None, sums: tuple[str, str, str, str]) 
     rows = [{key.strip(): cell.strip() for key, cell in row.items()} for row in table_rows(text)]
     found: Found = []
     for n, row in enumerate(rows):
-        x, y, u, v = (number_of(row[key]) for key in sums)
+        x, y, u, v = (number_of(row[key] or "nan") for key in sums)  # empty: not found
         sigma = number_of(row["sigma" if point is None else "SIGMA"] or "nan")
         if sigma < 0.0 or math.isnan(x + u) or math.isnan(y + v):
             continue
@@ -281,7 +285,7 @@ def _read_dots(path: Path) -> Found:
             (one.view, one.camera, *map(float, line), float(seen))
             for line, seen in zip(figures, one.visible, strict=True)
         ]
-    return found
+    return sorted(found, key=str)
 
 
 def _dots() -> str:
@@ -414,10 +418,9 @@ DOCUMENTS = {
         Table("tone-curve", _CURVE, _read_curve,
               lambda text: _of_columns(text, (), ("value", "light")), "curve.csv"),
         Table("true-dots", _dots(), _read_dots,
-              lambda text: _of_columns(text, ("view", "camera"), (
+              lambda text: sorted(_of_columns(text, ("view", "camera"), (
                   "col", "row", "X_mm", "Y_mm", "Z_mm", "centre_x_px", "centre_y_px", "centroid_x_px",
-                  "centroid_y_px",
-                  "visible")), "truth/dots.csv"),
+                  "centroid_y_px", "visible")), key=str), "truth/dots.csv"),
         Table("colmap-tracks", _TRACKS, lambda path: _of_pixels(read_tracks([path], _PIXELS).pixels),
               _stated_tracks),
         Table("dice-subsets", _DICE, _read_dice, lambda text: _stated_sums(

@@ -67,7 +67,8 @@ def _judged(evidence: Evidence) -> list[_Judged]:
     for one, look in zip(evidence.measurements, evidence.looks, strict=True):
         if one.dots is None or look is None or look.exposure_words is not None or look.refusal is not None:
             continue
-        area = np.linalg.det(one.dots.outline[one.dots.ok])
+        outline = one.dots.outline[one.dots.ok]
+        area = np.linalg.det(outline[np.isfinite(outline).all(axis=(1, 2))])  # corners have none
         size = float(np.median(np.maximum(area, 0.0) ** 0.25)) if len(area) else float("nan")
         sigma = look.sigma_px * size**_POWER
         if np.isfinite(sigma) and sigma > 0.0:

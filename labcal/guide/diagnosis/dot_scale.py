@@ -155,7 +155,10 @@ def _measured(picture: Measurement, number: dict[tuple[int, ...], int]) -> tuple
     on_target = [tuple(index) in number for index in dots.index.tolist()]
     good = dots.ok & dots.has_id & np.array(on_target, dtype=bool).reshape(-1)
     index = np.array([number[tuple(one)] for one in dots.index[good].tolist()], dtype=np.int64)
-    square = np.linalg.det(dots.outline[good])
+    outline = dots.outline[good]
+    square = np.full(len(outline), np.nan)
+    there = np.isfinite(outline).all(axis=(1, 2))
+    square[there] = np.linalg.det(outline[there])
     return index, np.asarray(np.where(square > 0.0, np.abs(square), np.nan) ** 0.25)
 
 

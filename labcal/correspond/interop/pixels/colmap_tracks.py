@@ -65,7 +65,7 @@ def _images(path: Path) -> dict[str, list[str]]:
     rows = [line.strip() for line in text.splitlines() if not line.lstrip().startswith("#")]
     found: dict[str, list[str]] = {}
     for at in range(0, len(rows), 2):
-        if not rows[at]:
+        if not rows[at] and not any(rows[at + 1 : at + 2]):
             continue
         head = rows[at].split(maxsplit=_IMAGE_WORDS - 1)
         words = rows[at + 1].split() if at + 1 < len(rows) else []
