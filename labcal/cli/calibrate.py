@@ -138,7 +138,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 def _settings(arguments: Namespace) -> "HandheldSettings":
     """Return how to calibrate; raise where that is of no use, before any dot is found."""
     from labcal.calibrate.adjustment.state import Lenses
-    from labcal.calibrate.calibration import refuse_contradictory
+    from labcal.calibrate.calibrated import refuse_contradictory
     from labcal.calibrate.handheld import HandheldSettings
 
     settings = HandheldSettings(

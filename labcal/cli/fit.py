@@ -25,7 +25,7 @@ from labcal.run.decimal_words import decimal
 if TYPE_CHECKING:
     from labcal.correspond.dot_source import DotSource
     from labcal.estimators.estimator import PointEstimator
-    from labcal.estimators.fitting import Training
+    from labcal.estimators.training import Training
     from labcal.report.fit_result import FitOutcome
     from labcal.report.page.output import PageOutput
     from labcal.targets.catalogue import AnyTarget
@@ -172,7 +172,7 @@ def run(arguments: Namespace, session: Session) -> ExitStatus:
 def _target(arguments: Namespace, given: "DotSource") -> "AnyTarget":
     """Return the target of the dots; a stage knows it."""
     from labcal.errors import InputError
-    from labcal.estimators.fitting import on_stage
+    from labcal.estimators.training import on_stage
 
     if arguments.target is not None and given.shoot is not None and on_stage(given.shoot):
         raise InputError(

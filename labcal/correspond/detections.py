@@ -15,7 +15,6 @@ from labcal.detect.flags import DotFlag
 from labcal.errors import InputError, UnknownNameError
 from labcal.paths import AnyPath
 from labcal.public_object import HtmlTable
-from labcal.run.table_columns import numbers_of_names
 from labcal.wording import listed
 
 if TYPE_CHECKING:
@@ -95,35 +94,9 @@ class Detections(PictureLines):
         return np.asarray(self.flag == DotFlag.OK.value)
 
     @cached_property
-    def camera_number(self) -> Int64[np.ndarray, " n"]:
-        """Of each line, the place of its camera among :attr:`cameras`."""
-        return numbers_of_names(self.camera.tolist(), {})
-
-    @cached_property
     def boards(self) -> tuple[str, ...]:
         """Names of the boards, in order of appearance; nothing where pictures show one target."""
         return tuple(name for name in dict.fromkeys(self.board.tolist()) if name)
-
-    def with_cameras_in_order(self, order: Sequence[str]) -> "Detections":
-        """Return the lines of each camera together, in an order, where they do not appear in it already.
-
-        Parameters
-        ----------
-        order : sequence of str
-            Names of cameras. Those that are not among them come last.
-        """
-        wanted = [name for name in order if name in self.cameras]
-        wanted += [name for name in self.cameras if name not in wanted]
-        if tuple(wanted) == self.cameras:
-            return self
-        place = np.array([wanted.index(name) for name in self.cameras], dtype=np.int64)[self.camera_number]
-        return self.where(np.argsort(place, kind="stable"))
-
-    def by_view(self) -> list["Detections"]:
-        """Return the lines of every view, in the order of :attr:`views`."""
-        order = np.argsort(self.view_number, kind="stable")
-        edges = np.searchsorted(self.view_number[order], np.arange(1, len(self.views)))
-        return [self.where(lines) for lines in np.split(order, edges)]
 
     def measured(self) -> "Detections":
         """Return the dots that are measurements of the declared grid.

@@ -12,9 +12,10 @@ from labcal.arguments import one_text, wrong_type
 from labcal.cameras.rig import Rig
 from labcal.correspond.camera_lists import camera_lists, list_sources
 from labcal.correspond.name_patterns import CAMERA
+from labcal.correspond.picture_folders import picture_files
 from labcal.correspond.pictures_left_out import left_out_words
 from labcal.correspond.printed_target import ShownTarget, named_target, read_target
-from labcal.correspond.sources import Source, camera_endings, find_sources, picture_files, shoot_sources
+from labcal.correspond.sources import Source, camera_endings, find_sources, shoot_sources
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import PublicObject

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from labcal.correspond.sources import picture_folders
+from labcal.correspond.picture_folders import picture_folders
 from labcal.wording import counted, listed
 
 _SHOWN = 3

@@ -1,9 +1,7 @@
 """Sources of pictures: a shoot, or loose files whose names give view and camera."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -11,19 +9,13 @@ import numpy as np
 from labcal.arguments import one_text, wrong_type
 from labcal.correspond.name_patterns import ANY, CAMERA, VIEW, best_pattern, camera_in, view_in
 from labcal.correspond.named_cameras import named_cameras
-from labcal.correspond.picture_lists import LIST, listed_pictures
+from labcal.correspond.picture_folders import endings_seen, picture_files
 from labcal.errors import InputError
-from labcal.paths import AnyPath, as_path
 from labcal.run.names import differ_in_case, is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
 from labcal.shoot.pictures import SUFFIXES, read_picture
 from labcal.shoot.raw_pictures import RawFormat, read_raw_picture
 from labcal.wording import clipped, has_control, listed, printable
-
-_ENDINGS_SHOWN = 8
-_FOLDERS_TRIED = 100
-_LEVELS = 2
-"""Folders within a folder in which pictures are looked for."""
 
 
 @dataclass(frozen=True)
@@ -172,7 +164,7 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
             )
     if not sources:
         raise InputError(
-            f"There are no pictures ({', '.join(sorted(SUFFIXES))}) in {listed(paths)}{_endings_seen(paths)}."
+            f"There are no pictures ({', '.join(sorted(SUFFIXES))}) in {listed(paths)}{endings_seen(paths)}."
         )
     for kind in ("view", "camera"):
         alike = differ_in_case(dict.fromkeys(str(getattr(source, kind)) for source in sources.values()))
@@ -225,74 +217,6 @@ def loose_source(image: str, endings: Mapping[str, str]) -> Source:
     return Source(view_in(image, pattern) or "", camera, image, None)
 
 
-def picture_files(paths: Sequence[str]) -> list[str]:
-    """Return pictures one by one; a folder stands for those in it, and a list for those that it names.
-
-    Raises
-    ------
-    InputError
-        A path does not exist, or a list names no pictures.
-    """
-    found: list[str] = []
-    for given in paths:
-        path = Path(given)
-        if path.is_dir():
-            found += [image for folder in picture_folders(path) for image in _pictures_in(folder)]
-        elif path.is_file() and path.suffix.lower() == LIST:
-            found += listed_pictures(path)
-        elif path.is_file():
-            found.append(given)
-        else:
-            raise InputError(f"There is no picture or folder {given}.")
-    return found
-
-
-def _endings_seen(paths: Sequence[str]) -> str:
-    """Return the endings of the files in folders, the most frequent ones first, for a message."""
-    entries = [
-        entry
-        for given in paths
-        if Path(given).is_dir()
-        for folder in picture_folders(given)
-        for entry in folder.iterdir()
-        if entry.is_file()
-    ]
-    tops = [top for given in paths if Path(given).is_dir() for top in picture_folders(given)]
-    below = islice((folder for top in tops for folder in _folders_in([top])), _FOLDERS_TRIED)
-    deeper = next((one for one in below if any(map(_pictures_in, picture_folders(one)))), None)
-    if deeper is not None:
-        return f", but there are in {deeper}. Give that folder"
-    endings = Counter(entry.suffix.lower() or "without an ending" for entry in entries)
-    if not endings:
-        return ": no file is there"
-    seen = [f"{count} {ending}" for ending, count in endings.most_common()]
-    return f": the files there are {listed(seen, _ENDINGS_SHOWN)}"
-
-
-def picture_folders(folder: AnyPath) -> list[Path]:
-    """Return the folders whose pictures a folder stands for.
-
-    Itself; or those in it where it has no picture; or those in them, as ``cam0/data/0001.png``, where these
-    have none either.
-    """
-    level = [as_path(folder)]
-    every = list(level)
-    for _ in range(_LEVELS):
-        if any(_pictures_in(one) for one in level):
-            return level
-        level = _folders_in(level)
-        every += level
-    return level if any(_pictures_in(one) for one in level) else every
-
-
-def _folders_in(folders: Sequence[Path]) -> list[Path]:
-    return [entry for one in folders for entry in sorted(one.iterdir()) if entry.is_dir()]
-
-
-def _pictures_in(folder: Path) -> list[str]:
-    return sorted(str(entry) for entry in folder.iterdir() if entry.suffix.lower() in SUFFIXES)
-
-
 def find_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Source]:
     """Return the pictures of one shoot, or loose ones.
 
@@ -303,8 +227,7 @@ def find_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sourc
 
     Examples
     --------
-    >>> from itertools import islice
-    from pathlib import Path
+    >>> from pathlib import Path
     >>> from labcal.pipeline import find_sources
     >>> for name in ("a_0.png", "a_1.png", "b_0.png", "b_1.png"):
     ...     Path(name).touch()

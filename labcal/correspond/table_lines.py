@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import TypeVar
+from typing import Self, TypeVar
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
@@ -14,6 +14,7 @@ from labcal.public_object import HtmlTable, PublicObject
 from labcal.run.table_columns import numbers_of_names
 
 Lines = TypeVar("Lines", bound="TableLines")
+OfPictures = TypeVar("OfPictures", bound="PictureLines")
 OK = "ok"
 """The flag of a line that is a measurement."""
 
@@ -71,6 +72,32 @@ class PictureLines(TableLines):
     def cameras(self) -> tuple[str, ...]:
         """Names of the cameras, in order of appearance."""
         return tuple(dict.fromkeys(self.camera.tolist()))
+
+    @cached_property
+    def camera_number(self) -> Int64[np.ndarray, " n"]:
+        """Of each line, the place of its camera among :attr:`cameras`."""
+        return numbers_of_names(self.camera.tolist(), {})
+
+    def with_cameras_in_order(self: OfPictures, order: Sequence[str]) -> OfPictures:  # noqa: PYI019 -- as above
+        """Return the lines of each camera together, in an order, where they do not appear in it already.
+
+        Parameters
+        ----------
+        order : sequence of str
+            Names of cameras. Those that are not among them come last.
+        """
+        wanted = [name for name in order if name in self.cameras]
+        wanted += [name for name in self.cameras if name not in wanted]
+        if tuple(wanted) == self.cameras:
+            return self
+        place = np.array([wanted.index(name) for name in self.cameras], dtype=np.int64)[self.camera_number]
+        return self.where(np.argsort(place, kind="stable"))
+
+    def by_view(self) -> list[Self]:
+        """Return the lines of every view, in the order of :attr:`views`."""
+        order = np.argsort(self.view_number, kind="stable")
+        edges = np.searchsorted(self.view_number[order], np.arange(1, len(self.views)))
+        return [self.where(lines) for lines in np.split(order, edges)]
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)

@@ -3,7 +3,8 @@
 import numpy as np
 
 from labcal.arrays import Lengths
-from labcal.calibrate.calibration import Calibration, calibrated
+from labcal.calibrate.calibrated import calibrated
+from labcal.calibrate.calibration import Calibration
 from labcal.calibrate.epipolar_residual import epipolar_rms
 from labcal.calibrate.single_calibration import HandheldSettings
 from labcal.correspond.boards_points import with_known_lengths
@@ -39,7 +40,7 @@ def held_out_lengths(
         Lengths are compared with its own: as declared or, where the settings keep or free its dots, as
         measured in the other views.
     lens : str or None
-        As of :func:`~labcal.calibrate.calibration.calibrated`.
+        As of :func:`~labcal.calibrate.calibrated.calibrated`.
     settings : HandheldSettings
     parts : int
         Views are dealt to so many parts in turn, so that each part has views from everywhere.

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from labcal.calibrate.calibration import Calibration
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.estimators.fit_settings import FitSettings
-    from labcal.estimators.fitting import Training
+    from labcal.estimators.training import Training
     from labcal.report.page.output import PageOutput
 
 
@@ -64,7 +64,7 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
     Raises
     ------
     UnknownNameError, InputError
-        As of :func:`~labcal.calibrate.calibration.calibrated`; or no dots are given of a target.
+        As of :func:`~labcal.calibrate.calibrated.calibrated`; or no dots are given of a target.
     OutputError
         The page may not be written.
 
@@ -74,7 +74,7 @@ def calibrate(  # noqa: PLR0913 -- what is calibrated from, how, and the page of
     >>> pipeline.calibrate(examples.TARGET, examples.detections(), "brown5", hold_out=2)
     Calibration(cameras=['left', 'right'], lens=brown5, views=6, rms=0.0275 px, warnings=0)
     """
-    from labcal.calibrate.calibration import calibrated
+    from labcal.calibrate.calibrated import calibrated
     from labcal.calibrate.handheld import HandheldSettings
     from labcal.guide.diagnosis.named_causes import with_named_causes
 
@@ -129,7 +129,7 @@ def training_of(
     ------
     InputError
         As of :func:`~labcal.correspond.training.training_data`, or of
-        :func:`~labcal.calibrate.calibration.calibrated`.
+        :func:`~labcal.calibrate.calibrated.calibrated`.
 
     Examples
     --------
@@ -139,10 +139,10 @@ def training_of(
     >>> training.centred.data.X.shape, training.centred.data.Y.shape  # pixels of two cameras, and mm
     ((704, 4), (704, 3))
     """
-    from labcal.estimators import fitting
+    from labcal.estimators import training as of_dots
     from labcal.guide.diagnosis.named_causes import with_named_causes
 
-    training = fitting.training_of(source, detections, settings, progress)
+    training = of_dots.training_of(source, detections, settings, progress)
     if training.held is None:
         return training
     target = source.target if isinstance(source, Shoot) else source

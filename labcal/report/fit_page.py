@@ -6,8 +6,8 @@ import numpy as np
 
 from labcal.cameras.camera import Camera
 from labcal.estimators.camera_estimator import CameraEstimator
-from labcal.estimators.fitting import Training
 from labcal.estimators.model import Model
+from labcal.estimators.training import Training
 from labcal.evaluate.verdict.amounts import at_distance
 from labcal.evaluate.verdict.of_fit import FitEvidence, MethodEvidence, fit_verdict
 from labcal.evaluate.working_distance import usual_distance

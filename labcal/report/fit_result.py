@@ -12,9 +12,9 @@ from labcal.correspond.training import TrainingData
 from labcal.errors import InputError
 from labcal.estimators.camera_estimator import CameraEstimator
 from labcal.estimators.expected_error import ExpectedError
-from labcal.estimators.fitting import Training
 from labcal.estimators.model import Model
 from labcal.estimators.stage_errors import StageSigma
+from labcal.estimators.training import Training
 from labcal.evaluate.statistics import error_statistics
 from labcal.paths import AnyPath
 from labcal.report.handheld_result import HandheldResult, handheld_result

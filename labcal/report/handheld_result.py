@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from labcal.calibrate.dot_treatment import DotDecision
-from labcal.estimators.fitting import Training
+from labcal.estimators.training import Training
 from labcal.report.inconsistent_result import InconsistentResult, inconsistent_result
 from labcal.wording import counted
 

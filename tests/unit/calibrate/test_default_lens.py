@@ -8,7 +8,8 @@ import pytest
 
 from labcal.bench.solve.budget_rigs import KINDS
 from labcal.bench.solve.pair_dots import pair_dots
-from labcal.calibrate.calibration import Calibration, calibrated
+from labcal.calibrate.calibrated import calibrated
+from labcal.calibrate.calibration import Calibration
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.lens_candidates import DEFAULT_LENS
 from labcal.cameras.calibration_share import calibration_share

@@ -12,7 +12,8 @@ from labcal.calibrate.adjustment.rounds import adjust_in_rounds
 from labcal.calibrate.adjustment.state import Freedom, Lenses, RigState
 from labcal.calibrate.budget.entered import Entered
 from labcal.calibrate.budget.print_share import PrintShare
-from labcal.calibrate.calibration import Calibration, calibrated
+from labcal.calibrate.calibrated import calibrated
+from labcal.calibrate.calibration import Calibration
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.detections import Detections

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from labcal.bench.hand_views import HandViews, poses_in_hand
-from labcal.calibrate.calibration import calibrated
+from labcal.calibrate.calibrated import calibrated
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections

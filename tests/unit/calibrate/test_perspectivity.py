@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from labcal.calibrate.calibration import calibrated
+from labcal.calibrate.calibrated import calibrated
 from labcal.calibrate.lens_start import start_from_pictures
 from labcal.calibrate.parallel_views import refuse_parallel_views
 from labcal.calibrate.perspectivity import Perspectivity, Sight

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labcal.calibrate.calibration import calibrated
+from labcal.calibrate.calibrated import calibrated
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
 from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.parallel_rig import parallel_notes, with_determined_poses

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from labcal import Model, examples, pipeline
-from labcal.estimators.fitting import training_of
 from labcal.estimators.hybrid import Hybrid
+from labcal.estimators.training import training_of
 from labcal.report.fit_result import FitOutcome, fit_result, fit_table
 from labcal.run.progress import NoProgress
 

@@ -15,9 +15,9 @@ from labcal import examples, load_target, pipeline
 from labcal.estimators.affine import Affine
 from labcal.estimators.bundle import Bundle
 from labcal.estimators.dlt import Dlt
-from labcal.estimators.fitting import Training
 from labcal.estimators.model import Model
 from labcal.estimators.quadratic import Quadratic
+from labcal.estimators.training import Training
 from labcal.public_object import same_value
 
 QUICK = pipeline.FitSettings("brown-k1k2", rehearsal=False)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from labcal import InputError, LengthErrors, examples, load_target, pipeline, write_detections
-from labcal.calibrate.calibration import calibrated
+from labcal.calibrate.calibrated import calibrated
 from labcal.evaluate.held_out_lengths import HeldOutLengths
 from labcal.evaluate.own_lengths import errors_of_lengths
 from labcal.reconstruct.reconstruction import reconstruct_centres

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labcal.calibrate.calibration import calibrated
+from labcal.calibrate.calibrated import calibrated
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.cameras.camera import Camera
 from labcal.correspond.detections import Detections

@@ -14,7 +14,7 @@ from labcal.correspond.interop.corners_vnl import read_corners
 from labcal.correspond.measure import detections_of, measure_pictures
 from labcal.correspond.sources import shoot_sources
 from labcal.errors import InputError
-from labcal.estimators.fitting import on_stage
+from labcal.estimators.training import on_stage
 from labcal.paths import AnyPath, as_path
 from labcal.run.progress import Progress
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot

@@ -15,9 +15,10 @@ from labcal.correspond.matching import match, stage_points
 from labcal.correspond.points import PointFlag
 from labcal.errors import InputError, LabcalError
 from labcal.estimators.fit_settings import FitSettings
-from labcal.estimators.fitting import Training, fit_method, training_of
+from labcal.estimators.fitting import fit_method
 from labcal.estimators.model import Model
 from labcal.estimators.surrogate_validation import Surrogate, surrogate_of
+from labcal.estimators.training import Training, training_of
 from labcal.reconstruct.reconstruction import reconstruct_centres
 from labcal.run.threads import one_blas_thread
 

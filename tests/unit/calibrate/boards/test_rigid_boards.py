@@ -8,7 +8,8 @@ from plate import PLATE, SIGMA_PX, T_A_B, Sees, board, cameras, in_turn, never_s
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
-from labcal.calibrate.calibration import Calibration, calibrated
+from labcal.calibrate.calibrated import calibrated
+from labcal.calibrate.calibration import Calibration
 from labcal.calibrate.eccentricity import Discs, dot_eccentricities
 from labcal.calibrate.handheld import HandheldSettings
 from labcal.correspond.boards_table import on_target

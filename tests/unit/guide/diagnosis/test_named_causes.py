@@ -6,7 +6,7 @@ import pytest
 from labcal.bench.diagnose.held_shoot import good_shoot
 from labcal.bench.diagnose.mistakes import MISTAKES
 from labcal.bench.diagnose.simulated_dots import simulated_dots
-from labcal.calibrate.calibration import calibrated
+from labcal.calibrate.calibrated import calibrated
 from labcal.guide.diagnosis.check_name import CheckName
 from labcal.guide.diagnosis.named_causes import OF_GEOMETRY
 from labcal.pipeline import FitSettings, calibrate, diagnose, training_of
