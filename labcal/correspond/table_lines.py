@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Self, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
@@ -93,7 +93,7 @@ class PictureLines(TableLines):
         place = np.array([wanted.index(name) for name in self.cameras], dtype=np.int64)[self.camera_number]
         return self.where(np.argsort(place, kind="stable"))
 
-    def by_view(self) -> list[Self]:
+    def by_view(self: OfPictures) -> list[OfPictures]:  # noqa: PYI019 -- as above
         """Return the lines of every view, in the order of :attr:`views`."""
         order = np.argsort(self.view_number, kind="stable")
         edges = np.searchsorted(self.view_number[order], np.arange(1, len(self.views)))

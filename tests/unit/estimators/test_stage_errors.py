@@ -16,7 +16,7 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.triangulation import triangulate
 from labcal.correspond.matching import Matches
 from labcal.correspond.training import TrainingData
-from labcal.estimators import training
+from labcal.estimators import training as of_dots
 from labcal.estimators.centred_training import CentredTraining
 from labcal.estimators.stage_errors import StageErrors, StageSigma, stage_errors
 from labcal.estimators.valid_points import predicted
@@ -132,14 +132,14 @@ def test_the_field_of_hybrid_is_told_of_them() -> None:
     data = replace(exact, X=exact.X + 0.02 * rng.standard_normal(exact.X.shape))
     shoot = SimpleNamespace(nominal_poses=lambda: read)
     plain = CentredTraining(data, cameras(), None, None)
-    centred = inspect.unwrap(training._with_stage_errors)(plain, shoot, SIGMA)  # without the checks of types
+    centred = inspect.unwrap(of_dots._with_stage_errors)(plain, shoot, SIGMA)  # without the checks of types
     assert centred.stage is not None
     for rehearsal in (False, True):
         settings = FitSettings(lens="brown-k1k2", rehearsal=rehearsal)
         methods = pipeline.estimators_of(["hybrid"], settings)
-        (model,) = pipeline.fit_methods(training.Training(centred, None, ()), methods, settings)
+        (model,) = pipeline.fit_methods(of_dots.Training(centred, None, ()), methods, settings)
         assert isinstance(model, Model)
         assert model.estimator.field_px_.tolist() == [0.0, 0.0]
-    (without,) = pipeline.fit_methods(training.Training(plain, None, ()), methods, settings)
+    (without,) = pipeline.fit_methods(of_dots.Training(plain, None, ()), methods, settings)
     assert isinstance(without, Model)
     assert (without.estimator.field_px_ > 0.0).any()
