@@ -7,7 +7,8 @@ import pytest
 
 from labcal.bench.solve.budget_rigs import KINDS
 from labcal.bench.solve.budget_set import BudgetSet, simulated_dots
-from labcal.calibrate import calibrated, lens_choice
+from labcal.calibrate import calibrated as complete
+from labcal.calibrate import lens_choice
 from labcal.calibrate.dot_decision import MIN_VIEWS, UNEVEN
 from labcal.calibrate.dot_treatment import DotTreatment
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
@@ -96,7 +97,7 @@ def test_a_lens_is_chosen_with_the_dots_treated_as_they_will_be(
     uneven: Detections, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(lens_choice, "OF_VIEWS", ("pinhole", "brown5"))
-    made = calibrated.calibrated(uneven, NARROW.target(), "auto", HandheldSettings(eccentricity_rounds=0))
+    made = complete.calibrated(uneven, NARROW.target(), "auto", HandheldSettings(eccentricity_rounds=0))
     assert made.found.dot_decision.frees
     assert made.choice is not None
     # Both lenses predict held-out views to the noise of the dots, which the uneven print is far beyond.
