@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Float32, Float64
-from scipy.ndimage import map_coordinates
+from jaxtyping import Float32
 
 from labcal.arrays import Mask, Pixels, Pose
+from labcal.bench.boards.print_samples import lit_samples
 from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images, of_places
 from labcal.geometry.poses import inverse, transform
@@ -22,9 +22,9 @@ from labcal.scene.photometry import Photometry
 from labcal.targets.ink_distance import InkDistance, ink_distance
 from labcal.targets.target import PrintableTarget
 
-_FINER = 4
-"""Samples along a side of a pixel. Ink changes in a line across a sample at an edge, so that more of them do
-not move an edge."""
+_FINER = 8
+"""Samples along a side of a pixel: with 4 the corners of tilted boards are off by up to 0.002 px, with 8 by
+0.0004 px."""
 
 
 def optical_image(light: np.ndarray, blur_px: float, finer: int) -> Float32[np.ndarray, "h w"]:
@@ -108,7 +108,7 @@ class DrawnPrint:
 
     def _light(
         self, camera: Camera, T_world_target: Pose, corner: np.ndarray, end: np.ndarray
-    ) -> Float64[np.ndarray, "fine_h fine_w"]:
+    ) -> Float32[np.ndarray, "fine_h fine_w"]:
         """Return the reflectance that samples of a cut-out see, :data:`_FINER` along a side of a pixel.
 
         Rays are those of the pixels' centres; within a pixel, places on the board change in a line.
@@ -120,33 +120,12 @@ class DrawnPrint:
         direction = ray.direction @ T_target_world[:3, :3].T
         with np.errstate(divide="ignore", invalid="ignore"):
             places = origin - direction * (origin[..., 2:] / direction[..., 2:])
-        x, y = places[..., 0], places[..., 1]
-        (x_down, x_along), (y_down, y_along) = np.gradient(x), np.gradient(y)
-        sample_mm = np.sqrt(np.abs(x_along * y_down - x_down * y_along)) / _FINER
         x_min, y_min, x_max, y_max = self.target.extent_mm
         paper, ink = Board().light[0], Board().dark[0]
         if self.target.is_white_on_black:
             paper, ink = ink, paper
-        light = np.empty((_FINER * x.shape[0], _FINER * x.shape[1]))
-        offsets = (np.arange(_FINER) + 0.5) / _FINER - 0.5
-        for row, down in enumerate(offsets):
-            for col, along in enumerate(offsets):
-                at_x, at_y = x + along * x_along + down * x_down, y + along * y_along + down * y_down
-                on_board = (at_x > x_min) & (at_x < x_max) & (at_y > y_min) & (at_y < y_max)
-                covered = np.zeros(x.shape)
-                inked = self._distance(at_x[on_board], at_y[on_board]) / sample_mm[on_board]
-                covered[on_board] = np.clip(0.5 + inked, 0.0, 1.0)
-                light[row::_FINER, col::_FINER] = np.where(
-                    on_board, paper + covered * (ink - paper), BACKGROUND
-                )
-        return light
-
-    def _distance(
-        self, x: Float64[np.ndarray, " n"], y: Float64[np.ndarray, " n"]
-    ) -> Float64[np.ndarray, " n"]:
-        """Return the signed distance of places from the nearest edge of the print, mm, positive on ink."""
-        steps = [
-            (along - first) / self.field.step_mm
-            for along, first in zip((y, x), self.field.origin[::-1], strict=True)
-        ]
-        return np.asarray(map_coordinates(self.field.distance, steps, np.float64, order=1, mode="nearest"))
+        at, step = np.array(self.field.origin), self.field.step_mm
+        levels = np.array([paper, ink, BACKGROUND])
+        x, y = ((places[..., axis] - at[axis]) / step for axis in (0, 1))
+        edges = (np.array([x_min, x_max, y_min, y_max]) - at[[0, 0, 1, 1]]) / step
+        return lit_samples((x, y), _FINER, self.field.distance / step, edges, levels)

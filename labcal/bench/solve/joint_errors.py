@@ -4,7 +4,7 @@ from scipy.stats import chi2, norm
 
 _RARE = 0.005
 """Share of good benches in which one such test fails by chance."""
-_WITHIN_THREE = 0.9973
+_WITHIN_THREE = 1.0 - 2.0 * float(norm.sf(3.0))
 """Share of normal errors within three standard deviations."""
 
 
