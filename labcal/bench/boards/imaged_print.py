@@ -41,7 +41,7 @@ def optical_image(light: np.ndarray, blur_px: float, finer: int) -> Float32[np.n
     if blur_px > 0.0:
         light = cv2.GaussianBlur(light, (0, 0), blur_px * finer, borderType=cv2.BORDER_REPLICATE)
     height, width = (n // finer for n in light.shape)
-    return light.reshape(height, finer, width, finer).mean(axis=(1, 3)).astype(np.float32)
+    return np.asarray(light.reshape(height, finer, width, finer).mean(axis=(1, 3)), dtype=np.float32)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from labcal.bench.boards.charuco_picture import charuco_picture
 from labcal.bench.boards.charucos import EDGES, charuco_outcome
 from labcal.bench.boards.chessboard_picture import chessboard_picture
 from labcal.bench.boards.chessboards import WEIGHTED, chessboard_outcome
-from labcal.bench.boards.traced_board import traced_picture
+from labcal.bench.boards.traced_board import SquareBoard, traced_picture
 from labcal.bench.groups import Bench, Findings
 from labcal.render.sensor_response import Shot
 from labcal.report.bench import Check, Figure
@@ -26,16 +27,19 @@ STREAM = "traced"
 """Views of traced pictures are others than those of the drawn ones of the same seed."""
 
 
+Picture = TypeVar("Picture", bound=BoardPicture[SquareBoard])
+
+
 @dataclass(frozen=True)
-class TracedKind:
+class TracedKind(Generic[Picture]):
     """A kind of board: its views, how their pictures are judged, and what its second bound is."""
 
-    view: Callable[[int, int], BoardPicture]
-    outcome: Callable[[BoardPicture, np.random.Generator], BoardOutcome]
+    view: Callable[[int, int], Picture]
+    outcome: Callable[[Picture, np.random.Generator], BoardOutcome]
     second: str
 
 
-KINDS: Mapping[str, TracedKind] = {
+KINDS: Mapping[str, TracedKind[Any]] = {
     "chessboards": TracedKind(chessboard_picture, chessboard_outcome, WEIGHTED),
     "AprilGrids": TracedKind(april_grid_picture, april_grid_outcome, WEIGHTED),
     "ChArUco boards": TracedKind(charuco_picture, charuco_outcome, EDGES),
@@ -59,7 +63,7 @@ def traced_board_findings(bench: Bench) -> Findings:
     return Findings(checks, figures)
 
 
-def traced_outcome(kind: TracedKind, number: int, seed: int) -> BoardOutcome:
+def traced_outcome(kind: TracedKind[Picture], number: int, seed: int) -> BoardOutcome:
     """Trace one picture of a board, detect it, and compare with the truth.
 
     Parameters

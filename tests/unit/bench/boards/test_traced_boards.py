@@ -20,9 +20,8 @@ VIEWS = (chessboard_picture, charuco_picture, april_grid_picture)
 
 
 @pytest.mark.parametrize("view", VIEWS)
-@pytest.mark.parametrize("number", [0, 1])
-def test_corners_are_where_they_are_drawn(view: Callable[[int, int], BoardPicture], number: int) -> None:
-    picture = view(number, 3)
+def test_corners_are_where_they_are_drawn(view: Callable[[int, int], BoardPicture]) -> None:
+    picture = view(1, 3)
     traced = traced_view(picture)
     places = picture.board.points() * UNIT_MM
     q = traced.camera.camera().project(transform(traced.T_world_target, places)).q
