@@ -14,6 +14,7 @@ from labcal.scene.occluders import Occluder
 from labcal.scene.placement import Handheld
 from labcal.scene.room import Room
 from labcal.scene.take import Take
+from labcal.targets.catalogue import DescribedTarget
 from labcal.targets.grid import DotGrid
 
 CAMERA = "only"
@@ -23,13 +24,13 @@ BARE_BOARD = Board().light[0]
 
 
 def board_scene(
-    target: DotGrid, camera: CameraDescription, spp: int, occluders: tuple[Occluder, ...] = ()
+    target: DescribedTarget, camera: CameraDescription, spp: int, occluders: tuple[Occluder, ...] = ()
 ) -> Scene:
     """Return a target in front of a camera in even light without noise, far from the walls of the room.
 
     Parameters
     ----------
-    target : DotGrid
+    target : target of any kind
     camera : CameraDescription
     spp : int
         Rays a pixel.

@@ -33,11 +33,11 @@ def add_parser(commands: CommandGroup) -> None:
         "--only",
         metavar="GROUP,...",
         help="only some groups of checks; of detect: suite, accuracy, developed, real, bias, speed, hostile, "
-        "coded-dots, tags, marks-in-space, chessboards, charuco, april-grids; of solve: limits, training, "
-        "adjustment, mistakes, coverage, certify, check, compare, rehearse, real, mrcal, and budget, which "
-        "are all that the error budget rests on (coverage to real, and the marks of detect); diagnose "
-        "(mistaken shoots that are named), guided and boards (calibrations by boards of every kind) are "
-        "measured only where they are named here",
+        "coded-dots, tags, marks-in-space, chessboards, charuco, april-grids, traced-boards; of solve: "
+        "limits, training, adjustment, mistakes, coverage, certify, check, compare, rehearse, real, mrcal, "
+        "and budget, which are all that the error budget rests on (coverage to real, and the marks of "
+        "detect); diagnose (mistaken shoots that are named), guided and boards (calibrations by boards of "
+        "every kind) are measured only where they are named here",
     )
     parser.add_argument(
         "--method",

@@ -47,6 +47,8 @@ class BoardPicture(Generic[Board_co]):
         Images of all corners, in the order of the board's indices, px.
     visible : ndarray of bool, shape (n,)
         True if a corner can be measured: within the frame, nothing over it or the edges that meet there.
+    covers : tuple of Cover
+        In front of the board.
     """
 
     picture: np.ndarray
@@ -54,6 +56,7 @@ class BoardPicture(Generic[Board_co]):
     exposure: Exposure
     corner: Pixels
     visible: Mask
+    covers: tuple[Cover, ...] = ()
 
     @property
     def countable(self) -> bool:

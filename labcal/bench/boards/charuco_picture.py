@@ -79,7 +79,7 @@ def _drawn_once(board: CharucoBoard, random: np.random.Generator) -> CharucoPict
     view = blurred_view(sharp, corner, axes, Limits(NARROWEST_PX, MOST_BLUR_SHARE), random)
     if view is None:
         return None
-    picture = replace(picture, exposure=view.exposure, visible=view.visible)
+    picture = replace(picture, exposure=view.exposure, visible=view.visible, covers=view.covers)
     if not picture.countable:
         return None
     return replace(picture, picture=drawn(view.exposure, charuco_ink(board), view.covers, random))

@@ -80,7 +80,7 @@ def _drawn_once(board: Chessboard, random: np.random.Generator, hidden: float) -
     if view is None or not _countable(board, view.visible):
         return None
     picture = drawn(view.exposure, _ink(board), view.covers, random)
-    return ChessboardPicture(picture, board, view.exposure, corner, view.visible)
+    return ChessboardPicture(picture, board, view.exposure, corner, view.visible, view.covers)
 
 
 def _countable(board: Chessboard, visible: Mask) -> bool:

@@ -5,6 +5,7 @@ from pathlib import Path
 from labcal.bench.boards.april_grids import april_grid_findings
 from labcal.bench.boards.charucos import charuco_findings
 from labcal.bench.boards.chessboards import chessboard_findings
+from labcal.bench.boards.traced_boards import traced_board_findings
 from labcal.bench.detect.accuracy import accuracy_findings
 from labcal.bench.detect.bias import bias_checks
 from labcal.bench.detect.developed import developed_findings
@@ -31,6 +32,7 @@ GROUPS: Groups = {
     "chessboards": chessboard_findings,
     "april-grids": april_grid_findings,
     "charuco": charuco_findings,
+    "traced-boards": traced_board_findings,
     "coded-dots": coded_dot_findings,
     "tags": tag_findings,
     "marks-in-space": marks_in_space_findings,

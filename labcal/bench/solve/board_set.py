@@ -1,16 +1,14 @@
 """One drawn set of a board in the hand: measured, calibrated, and compared with the truth."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64
-from pydantic import BaseModel, ConfigDict
-from scipy.spatial.transform import Rotation
 
 from labcal.arrays import Pose
 from labcal.bench.boards.imaged_print import DrawnPrint
-from labcal.bench.solve.budget_rigs import PairKind
+from labcal.bench.solve.board_figures import BoardFigures
+from labcal.bench.solve.board_poses import BOARDS, PAIR, board_poses
 from labcal.bench.solve.camera_errors import camera_errors
 from labcal.bench.solve.pair_dots import CAMERAS
 from labcal.calibrate.handheld import HandheldSettings, calibrate_handheld
@@ -22,39 +20,16 @@ from labcal.correspond.sources import Source
 from labcal.detect.detector import detect_dots
 from labcal.errors import InputError
 from labcal.evaluate.statistics import coverage
-from labcal.geometry.poses import pose, transform
+from labcal.geometry.poses import transform
 from labcal.reconstruct.reconstruction import reconstruct_centres
 from labcal.render.sensor_response import Shot
-from labcal.report.values import Measured
 from labcal.rng import generator
 from labcal.scene.photometry import Photometry
-from labcal.scene.printed import key_indices
 from labcal.targets.catalogue import load_target
 from labcal.targets.target import PrintableTarget
 
-BOARDS: Mapping[str, str] = {
-    "chessboard": "chessboard-9x6",
-    "marked chessboard": "chessboard-marked-13x8",
-    "charuco": "charuco-12x9",
-    "aprilgrid": "aprilgrid-6x6",
-    "dots": "webcam-a4",
-}
-"""A shipped target of each kind; the last one for comparison."""
 VIEWS, HELD_OUT = 12, 4
-PAIR = PairKind(
-    (640, 480), 560.0, 150.0, 520.0, 90.0, 240.0, 0.0,
-    ((-0.2, 0.06, 6e-4, -4e-4, 0.0), (-0.21, 0.07, -5e-4, 7e-4, 0.0)),
-)  # fmt: skip
 PHOTOMETRY = Photometry(format="png")
-_TILT = 0.4
-"""Standard deviation of the board's rotation about each axis, rad."""
-_NEAR, _FAR = 0.8, 1.25
-"""Of the pair's distance."""
-_IN_SIGHT = 0.7
-"""Share of the places of a board that both cameras see at least."""
-_FRAME_PX = 8.0
-"""Distance from the frame of a place that is in sight."""
-_MOST_SIGMAS = 3.0
 _WRONG = 0.25
 """Distance from its true place at which a measured place has a wrong id, in steps between places."""
 
@@ -70,58 +45,6 @@ class BoardSet:
     def key(self) -> str:
         """The name of the result file."""
         return f"{self.board.replace(' ', '-')}-{self.seed}"
-
-
-class BoardFigures(BaseModel):
-    """Figures of one set.
-
-    Attributes
-    ----------
-    pictures, indexed : int
-    wrong : int
-        Measured places that are not where the place of their id is.
-    places : int
-        Measured ones.
-    error_px, stated_px : float
-        RMS 2-D error of the places, and what is stated of them.
-    normalised : float
-        Squared errors of places in units of their covariance, a coordinate.
-    residual : float
-        RMS residual of the calibration over what the covariances of the places leave to expect.
-    parameters : int
-        Of both cameras.
-    mean_square : float
-        Their squared errors in units of their covariance, a parameter.
-    worst : float
-        Largest error of a single parameter in units of its standard deviation.
-    beyond : int
-        Parameters that are off by more than three of them.
-    coverage : float
-        Share of points of views that were held out within their 95% ellipsoids.
-    error_mm, stated_mm : float
-        RMS 3-D error of these points, and what is stated.
-    warned : bool
-        `calibrate` warns that views disagree, or that the lens lacks coefficients.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    pictures: int
-    indexed: int
-    wrong: int
-    places: int
-    error_px: Measured
-    stated_px: Measured
-    normalised: Measured
-    residual: Measured
-    parameters: int
-    mean_square: Measured
-    worst: Measured
-    beyond: int
-    coverage: Measured
-    error_mm: Measured
-    stated_mm: Measured
-    warned: bool
 
 
 def measured_board_set(case: BoardSet) -> BoardFigures:
@@ -155,7 +78,6 @@ def measured_board_set(case: BoardSet) -> BoardFigures:
         parameters=len(errors.error),
         mean_square=errors.mean_square,
         worst=float(errors.sigmas.max()),
-        beyond=int((errors.sigmas > _MOST_SIGMAS).sum()),
         coverage=coverage(off[usable], points.covariance[usable]),
         error_mm=_rms(off[usable]),
         stated_mm=_stated(points.covariance[usable]),
@@ -163,36 +85,6 @@ def measured_board_set(case: BoardSet) -> BoardFigures:
         or found.disagreement is not None
         or any(fit.misfit is not None or fit.two_lenses is not None for fit in found.fits.values()),
     )
-
-
-def board_poses(target: PrintableTarget, views: int, random: np.random.Generator) -> list[Pose]:
-    """Return ``T_world_target`` of views in which both cameras see enough of a board to number it.
-
-    Parameters
-    ----------
-    target : PrintableTarget
-        Boards of every size are held as far away as they look equally wide.
-    views : int
-    random : Generator
-    """
-    p = target.points()
-    x_min, y_min, x_max, y_max = target.extent_mm
-    scale = max(x_max - x_min, y_max - y_min) / PAIR.board_mm
-    cameras = PAIR.cameras()
-    key = np.array([row * target.cols + col for col, row in key_indices(target)], dtype=np.int64)
-    low, high = np.full(2, _FRAME_PX), np.array(PAIR.size) - 1.0 - _FRAME_PX
-    found = list[Pose]()
-    while len(found) < views:
-        tilt = Rotation.from_rotvec(_TILT * random.standard_normal(3)).as_matrix()
-        R = np.diag([1.0, -1.0, -1.0]) @ tilt
-        sideways = PAIR.reach_mm * random.uniform(-1.0, 1.0, 2)
-        middle = scale * np.array([*sideways, PAIR.distance_mm * random.uniform(_NEAR, _FAR)])
-        T = pose(R, middle - R @ p.mean(axis=0))
-        q = np.stack([camera.project(transform(T, p)).q for camera in cameras])
-        seen = np.asarray(((q > low) & (q < high)).all(axis=(0, 2)))
-        if seen.mean() >= _IN_SIGHT and seen[key].all():
-            found.append(T)
-    return found
 
 
 @dataclass(frozen=True)
@@ -264,10 +156,7 @@ class DrawnViews:
         return far
 
     def errors(self) -> tuple[Float64[np.ndarray, "n 2"], Float64[np.ndarray, "n 2 2"]]:
-        """Return errors and stated covariances of all measured places, px and px squared.
-
-        The centroid of a dot is none of the image of its centre, so that errors of dots hold that, too.
-        """
+        """Return errors and stated covariances of all measured places, px and px squared."""
         used, (view, camera, place) = self._used(), self._numbers().T
         return used.position - self.true_px[view, camera, place], used.covariance
 

@@ -7,18 +7,22 @@ calibration are judged together, on as many sets as a coverage takes. Dots go th
 import numpy as np
 
 from labcal.bench.groups import Bench, Findings
-from labcal.bench.solve.board_set import BOARDS, BoardFigures, BoardSet, measured_board_set
+from labcal.bench.solve.board_figures import BoardFigures
+from labcal.bench.solve.board_poses import BOARDS
+from labcal.bench.solve.board_set import BoardSet, measured_board_set
 from labcal.bench.solve.budget import standard_error
+from labcal.bench.solve.joint_errors import (
+    median_sigmas,
+    most_mean_square,
+    most_sigmas,
+    within_three_sigmas,
+)
 from labcal.report.bench import Check, Figure, at_most
 from labcal.run.cases import run_cases
 
-SETS, QUICK_SETS = 30, 3
+SETS, QUICK_SETS = 16, 2
 """Of each board."""
-MOST_SIGMAS = 3.0
-"""Error of a parameter, in standard deviations, within which a calibration is right."""
 LEAST_COVERAGE = 0.90
-_BEYOND = 0.0027
-"""Share of normal errors beyond three standard deviations."""
 MOST_OVER_STATED = 1.2
 MOST_WARNED = 0.05
 """Share of sets, all of which are right, with a warning that residuals hold more than chance."""
@@ -35,13 +39,13 @@ def board_findings(bench: Bench) -> Findings:
         found = run_cases(
             cases, measured_board_set, BoardFigures, bench.folder / "boards", executor, bench.progress
         )
-    checks: list[Check] = []
-    figures: list[Figure] = []
-    for number, board in enumerate(BOARDS):
-        sets = found[number * len(seeds) : (number + 1) * len(seeds)]
-        checks += board_checks(board, sets)
-        figures += _figures(board, sets)
-    return Findings(checks, figures)
+    sets = {
+        board: found[number * len(seeds) : (number + 1) * len(seeds)] for number, board in enumerate(BOARDS)
+    }
+    *boards, dots = sets
+    checks = [check for board in sets for check in board_checks(board, sets[board])]
+    checks += [coverage_check(board, sets[board], sets[dots]) for board in boards]
+    return Findings(checks, [figure for board in sets for figure in _figures(board, sets[board])])
 
 
 def board_checks(board: str, sets: list[BoardFigures]) -> list[Check]:
@@ -56,20 +60,22 @@ def board_checks(board: str, sets: list[BoardFigures]) -> list[Check]:
 
     Notes
     -----
-    Of parameters whose errors are normal a few are beyond three standard deviations; their number is held
-    against the binomial distribution, with as many standard errors for chance as everywhere.
+    Of many parameters whose errors are normal some are beyond three standard deviations. So all of them are
+    judged together, by their squared Mahalanobis distance, and the worst one by the distribution of the
+    largest of so many (:mod:`labcal.bench.solve.joint_errors`).
     """
-    title = f"boards, {board}, {len(sets)} sets"
+    title = _title(board, sets)
     parameters = sum(one.parameters for one in sets)
-    beyond = sum(one.beyond for one in sets)
-    chance = parameters * _BEYOND + _CHANCE * float(np.sqrt(parameters * _BEYOND))
+    mean_square = sum(one.mean_square * one.parameters for one in sets) / parameters
     shares = np.array([one.coverage for one in sets])
     refused = 1.0 - sum(one.indexed for one in sets) / sum(one.pictures for one in sets)
     return [
         at_most(f"{title}: share of pictures not indexed", refused, MOST_NOT_INDEXED),
         at_most(f"{title}: wrong ids", float(sum(one.wrong for one in sets)), 0.0),
-        at_most(f"{title}: of {parameters} parameters, those beyond {MOST_SIGMAS:g} standard deviations",
-                float(beyond), chance),
+        at_most(f"{title}: mean square of {parameters} errors of cameras in units of their covariance",
+                mean_square, most_mean_square(parameters)),
+        at_most(f"{title}: worst of {parameters} parameters, standard deviations",
+                max(one.worst for one in sets), most_sigmas(parameters)),
         at_most(f"{title}: coverage of points of held-out views below {LEAST_COVERAGE:g}",
                 LEAST_COVERAGE - float(shares.mean()), _CHANCE * standard_error(shares)),
         at_most(f"{title}: RMS error of places over the one stated",
@@ -80,13 +86,28 @@ def board_checks(board: str, sets: list[BoardFigures]) -> list[Check]:
     ]  # fmt: skip
 
 
+def coverage_check(board: str, sets: list[BoardFigures], dots: list[BoardFigures]) -> Check:
+    """Return the check that stated errors of points cover as by dots, but for chance."""
+    own, theirs = (np.array([one.coverage for one in some]) for some in (sets, dots))
+    chance = float(np.hypot(standard_error(own), standard_error(theirs)))
+    return at_most(
+        f"{_title(board, sets)}: coverage of points below that by dots",
+        float(theirs.mean() - own.mean()),
+        _CHANCE * chance,
+    )
+
+
+def _title(board: str, sets: list[BoardFigures]) -> str:
+    return f"boards, {board}, {len(sets)} sets"
+
+
 def _figures(board: str, sets: list[BoardFigures]) -> list[Figure]:
     title = f"boards, {board}"
     mean = {
         "squared errors of places in units of their covariance, a coordinate": "normalised",
         "squared errors of cameras in units of their covariance, a parameter": "mean_square",
         "RMS residual over what covariances leave": "residual",
-        "largest error of a parameter in a set, standard deviations": "worst",
+        "largest error of a parameter in a set, standard deviations, mean": "worst",
         "coverage of points of held-out views": "coverage",
     }
     root = {
@@ -94,7 +115,14 @@ def _figures(board: str, sets: list[BoardFigures]) -> list[Figure]:
         "RMS error of points, mm": "error_mm",
         "stated RMS error of points, mm": "stated_mm",
     }
+    parameters = sum(one.parameters for one in sets)
+    near = float(np.mean([within_three_sigmas(one.mean_square, one.parameters) for one in sets]))
     return [
+        Figure(name=f"{title}: share of sets within three standard deviations jointly", value=near),
+        Figure(
+            name=f"{title}: median of the worst of {parameters} independent normal errors",
+            value=median_sigmas(parameters),
+        ),
         *(
             Figure(name=f"{title}: {words}", value=float(np.mean([getattr(one, part) for one in sets])))
             for words, part in mean.items()
