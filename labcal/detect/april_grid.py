@@ -5,8 +5,9 @@ from itertools import chain
 
 import numpy as np
 
-from labcal.arrays import Pixels
-from labcal.detect.corners.corners import Corners
+from labcal.arrays import DotIndices, Pixels
+from labcal.detect.corners.corner_agreement import without_disagreeing
+from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.enlarged import Enlarged, enlarged_picture
 from labcal.detect.corners.markers_elsewhere import ids_read
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
@@ -50,8 +51,8 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     Returns
     -------
     PictureDots
-        Without outlines; a corner of a tag that is read and cannot be measured is flagged ``bad-fit``, or
-        ``cut`` at the frame. Refused where no two tags are read in the grid's places, where fewer than four
+        Without outlines; a corner of a tag that is read and cannot be measured, or that is not where the
+        others predict it, is flagged ``bad-fit``, or ``cut`` at the frame. Refused where no two tags are read in the grid's places, where fewer than four
         corners are measured, and where they lie on no smooth surface.
     """
     seen, placed = _placed(grey, grid, settings)
@@ -60,12 +61,14 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
         return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
     corners = measured_tags(grey, grid, placed, settings.corner)
     dots = picture_corners(corners, grey, None, settings)
-    ok = np.flatnonzero([fit is not None for fit in corners.fits])
-    if not corners.select(ok).spans_a_plane():
-        detail = f"{counted(len(placed), 'tag')} of {grid.tag_count} and {len(ok)} of its {grid.count} "
+    dots = without_disagreeing(dots, grid.points(dots.index)[:, :2])
+    index = dots.index[dots.ok]
+    if not spans_a_plane(index):
+        detail = f"{counted(len(placed), 'tag')} of {grid.tag_count} and {len(index)} of its {grid.count} "
         detail += "corners were found."
         return refused_as_few(dots, corners.index, detail)
-    return dots if _is_smooth(corners, ok, settings) else dots.refused(Refusal.GRID_INCONSISTENT)
+    smooth = _is_smooth(index, dots.position[dots.ok], settings)
+    return dots if smooth else dots.refused(Refusal.GRID_INCONSISTENT)
 
 
 def _placed(
@@ -117,16 +120,15 @@ def _why_not(seen: SeenTags, grid: AprilGrid) -> tuple[Refusal, str]:
     return (Refusal.MARKERS_UNREADABLE if own == 1 else Refusal.OTHER_BOARD), detail
 
 
-def _is_smooth(corners: Corners, ok: np.ndarray, settings: DetectSettings) -> bool:
+def _is_smooth(index: DotIndices, seen: Pixels, settings: DetectSettings) -> bool:
     """Tell whether corners of one kind, which are evenly spaced, lie on a smooth surface, of each kind."""
     for kind in OFFSETS:
-        own = [int(k) for k in ok if tuple(corners.index[k] % 2) == kind]
-        part = corners.select(np.array(own, dtype=np.int64))
-        part = Corners(part.index // 2, part.seen_at, part.fits)
-        if not _determines_a_map(part.index):
+        own = (index % 2 == kind).all(axis=1)
+        nodes = index[own] // 2
+        if not _determines_a_map(nodes):
             continue
-        lattice = Lattice({(int(i), int(j)): k for k, (i, j) in enumerate(part.index)})
-        if not is_smooth(lattice, part.seen_at, settings.grid):
+        lattice = Lattice({(int(i), int(j)): k for k, (i, j) in enumerate(nodes)})
+        if not is_smooth(lattice, seen[own], settings.grid):
             return False
     return True
 
