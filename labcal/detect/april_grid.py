@@ -23,6 +23,7 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
+from labcal.geometry.two_by_two import determinants
 from labcal.targets.april_grid import AprilGrid
 from labcal.wording import counted
 
@@ -30,6 +31,8 @@ _SMALL_CELL_PX = 3.0
 """Side of a cell below which an enlarged picture may show more of them."""
 _FEWEST = 4
 """Corners that determine a homography."""
+_ON_A_LINE = 1e-6
+"""Determinant of the scatter of nodes on a line, which are whole numbers: of others it is at least 1 / 4."""
 _ENOUGH = 0.5
 """Share of the board's tags in place after which no finer picture is searched."""
 
@@ -137,9 +140,6 @@ def _determines_a_map(nodes: np.ndarray) -> bool:
     """Tell whether nodes (n, 2) determine a homography: without any one of them the others span a plane."""
     if len(nodes) < _FEWEST:
         return False
-    middle = nodes - nodes.mean(axis=0)
-    for k in range(len(nodes)):
-        others = np.delete(middle, k, axis=0)
-        if np.linalg.matrix_rank(others - others[0]) < nodes.shape[1]:
-            return False
-    return True
+    away = nodes - nodes.mean(axis=0)
+    without = away.T @ away - away[:, :, None] * away[:, None, :] * (len(nodes) / (len(nodes) - 1.0))
+    return bool(determinants(without).min() > _ON_A_LINE)

@@ -197,7 +197,7 @@ def _more(e: np.ndarray, covariance: np.ndarray) -> float:
     det, trace = np.maximum(determinants(covariance), _TINY), covariance[:, 0, 0] + covariance[:, 1, 1]
 
     def is_over(more: float) -> bool:
-        return median_of((adjugate + more * e2) / (det + more * trace + more * more)) > _MEDIAN
+        return bool(median_of((adjugate + more * e2) / (det + more * trace + more * more)) > _MEDIAN)
 
     if not is_over(0.0):
         return 0.0
