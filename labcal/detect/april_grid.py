@@ -6,6 +6,7 @@ from itertools import chain
 import numpy as np
 
 from labcal.arrays import DotIndices, Pixels
+from labcal.detect.bare_tags import bare_corners, has_corner_squares, read_bare_tags
 from labcal.detect.corners.corner_agreement import without_disagreeing
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.enlarged import Enlarged, enlarged_picture
@@ -33,6 +34,8 @@ _FEWEST = 4
 """Corners that determine a homography."""
 _ON_A_LINE = 1e-6
 """Determinant of the scatter of nodes on a line, which are whole numbers: of others it is at least 1 / 4."""
+_HAS_NONE = "Tags of the target are in place, but no small black squares touch their corners."
+_HAS_SQUARES = "Small black squares touch the corners of the tags, which the target says are not printed."
 _ENOUGH = 0.5
 """Share of the board's tags in place after which no finer picture is searched."""
 
@@ -41,7 +44,8 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     """Find the corners of a grid's tags in one picture.
 
     Tags are read between saddle points. Those that agree place the grid; tags beside them that were not read
-    are looked for corner by corner where they should be. Each corner is fitted as that of a chessboard.
+    are looked for corner by corner where they should be. Each corner is fitted as that of a chessboard, or, on
+    a print without small squares, as that of a black wedge on white.
 
     Parameters
     ----------
@@ -58,11 +62,19 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
         others predict it, is flagged ``bad-fit``, or ``cut`` at the frame. Refused where no two tags are read in the grid's places, where fewer than four
         corners are measured, and where they lie on no smooth surface.
     """
-    seen, placed = _placed(grey, grid, settings)
+    if grid.corner_squares:
+        seen, placed = _placed(grey, grid, settings)
+    else:
+        seen = read_bare_tags(grey, grid, settings)
+        placed = tags_in_place(seen, grid, settings.corner)
+        if has_corner_squares(grey, grid, placed):
+            return _refused(grey, (Refusal.CORNER_SQUARES, _HAS_SQUARES), settings)
     if not placed:
-        refusal, detail = _why_not(seen, grid)
-        return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
-    corners = measured_tags(grey, grid, placed, settings.corner)
+        return _refused(grey, _why_not(grey, seen, grid, settings), settings)
+    if grid.corner_squares:
+        corners = measured_tags(grey, grid, placed, settings.corner)
+    else:
+        corners = bare_corners(grey, grid, placed, settings.corner)
     dots = picture_corners(corners, grey, None, settings)
     dots = without_disagreeing(dots, grid.points(dots.index)[:, :2])
     index = dots.index[dots.ok]
@@ -72,6 +84,11 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
         return refused_as_few(dots, corners.index, detail)
     smooth = _is_smooth(index, dots.position[dots.ok], settings)
     return dots if smooth else dots.refused(Refusal.GRID_INCONSISTENT)
+
+
+def _refused(grey: GreyPicture, why: tuple[Refusal, str], settings: DetectSettings) -> PictureDots:
+    """Return a picture without corners, refused for a reason, with a sentence on what was seen."""
+    return picture_corners(Corners.none(), grey, None, settings).refused(*why)
 
 
 def _placed(
@@ -110,8 +127,14 @@ def _cell_px(quads: list[Pixels], grid: AprilGrid) -> float:
     return float(np.median(sides.min(axis=1))) / cells_along(grid)
 
 
-def _why_not(seen: SeenTags, grid: AprilGrid) -> tuple[Refusal, str]:
+def _why_not(
+    grey: GreyPicture, seen: SeenTags, grid: AprilGrid, settings: DetectSettings
+) -> tuple[Refusal, str]:
     """Return why no tags place the grid, and a sentence on those that are read."""
+    if grid.corner_squares:
+        bare = tags_in_place(read_bare_tags(grey, grid, settings), grid, settings.corner)
+        if has_corner_squares(grey, grid, bare) is False:
+            return Refusal.CORNER_SQUARES, _HAS_NONE
     if len(seen.number) == 0:
         return Refusal.NO_MARKERS, ""
     last = grid.first_id + grid.tag_count - 1

@@ -14,7 +14,7 @@ from labcal.detect.lattice.lattice import Node
 from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.corner import CornerSettings
 
-_MOST_ROUNDS = 3
+_MOST_ROUNDS = 4
 """Steps of the fits, each with the curve that those before leave; they end with the usual tolerance."""
 _WORST_STEPS = 4.0
 """Last steps of single corners, in the tolerance, above which they go on by themselves."""
