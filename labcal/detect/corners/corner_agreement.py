@@ -14,8 +14,10 @@ from labcal.geometry.two_by_two import determinants, inverses
 
 _CHANCE = 0.01
 """Probability that a picture without any wrong corner loses one."""
-_DEGREES = (0, 2, 3, 4)
+_DEGREES = (0, 2, 3, 4, 5, 6)
 """Of the polynomial beside the homography: none, and what a lens or a bent board adds."""
+_IN_VAIN = 2
+"""Degrees one after the other that are no better: a lens may add cubic terms alone."""
 _SPARE = 2.0
 """Coordinates a parameter, at least."""
 _MOST_WRONG = 0.25
@@ -25,6 +27,10 @@ _HEAVY = 4.0
 """Degrees of freedom of Student's distribution, whose weights a fit begins with."""
 _MEDIAN = 2.0 * np.log(2.0)
 """Of chi-square with two degrees of freedom."""
+_LEAST_SHARE = 0.1
+"""Of a corner's error that a fit leaves, by its leverage."""
+_EFFICIENCY = 0.37
+"""Of the median of squares, against their mean."""
 _RIDGE, _TINY = 1e-9, 1e-18
 
 
@@ -77,16 +83,17 @@ def agreeing(board: Pixels, seen: Pixels, covariance: PixelCovariances) -> Mask:
     """
     n = len(board)
     everything = np.ones(n, dtype=bool)
-    limit = -2.0 * np.log(_CHANCE / max(n, 1))
-    best, least = everything, np.inf
+    best, least, in_vain = everything, np.inf, 0
     for degree in _DEGREES:
         design = _Design.of(board, seen, degree)
         if design is None:
             break
-        kept, length = design.kept(covariance, limit)
-        if length >= least:
+        kept, length = design.kept(covariance)
+        in_vain += 1
+        if length < least:
+            best, least, in_vain = kept, length, 0
+        if in_vain == _IN_VAIN:
             break
-        best, least = kept, length
     return best if (~best).sum() <= _MOST_WRONG * n else everything
 
 
@@ -127,9 +134,20 @@ class _Design:
         size = np.sqrt((rows**2).sum(axis=(0, 1)))
         return cls(seen - place, rows / np.maximum(size, _RIDGE))
 
-    def kept(self, covariance: PixelCovariances, limit: float) -> tuple[Mask, float]:
-        """Return which corners agree, and the description length of all, each one counted up to a limit."""
+    @property
+    def limit(self) -> float:
+        """Squared normalised difference that a corner exceeds by chance in one of a hundred pictures.
+
+        Twice the quantile of an F distribution with two degrees of freedom and those of the variance, which
+        rests on a median.
+        """
         n, _, p = self.rows.shape
+        freedom = max(_EFFICIENCY * (2.0 * n - p), 1.0)
+        return float(freedom * ((n / _CHANCE) ** (2.0 / freedom) - 1.0))
+
+    def kept(self, covariance: PixelCovariances) -> tuple[Mask, float]:
+        """Return which corners agree, and the description length of all, each one counted up to a limit."""
+        (n, _, p), limit = self.rows.shape, self.limit
         more, weight = 0.0, np.ones(n)
         for _ in range(_ROBUST_ROUNDS):
             e = self.left - self.rows @ self._solution(covariance + more * np.eye(2), weight)[0]
@@ -143,7 +161,10 @@ class _Design:
             of_prediction = (self.rows @ spread) @ np.swapaxes(self.rows, 1, 2)
             sign = np.where(kept, -1.0, 1.0)[:, None, None]
             off = _squares(e, total + sign * of_prediction + _RIDGE * np.eye(2))
-            more = _more(e[kept], (covariance - of_prediction)[kept]) if kept.any() else 0.0
+            if kept.any():
+                # What a fit leaves of a corner that counts in it is less than its error.
+                share = np.einsum("nij,nji->n", of_prediction[kept], inverses(total[kept])) / 2.0
+                more = _more(e[kept] / np.sqrt(np.maximum(1.0 - share, _LEAST_SHARE))[:, None], covariance[kept])
             agreed = off < limit
             # Of those that disagree the worst ones go first: they may have moved the prediction of others.
             agreed |= kept & (off < 0.5 * off[kept].max(initial=0.0))
