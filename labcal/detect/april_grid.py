@@ -44,8 +44,8 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     """Find the corners of a grid's tags in one picture.
 
     Tags are read between saddle points. Those that agree place the grid; tags beside them that were not read
-    are looked for corner by corner where they should be. Each corner is fitted as that of a chessboard, or, on
-    a print without small squares, as that of a black wedge on white.
+    are looked for corner by corner where they should be. Each corner is fitted as that of a chessboard, or,
+    on a print without small squares, as that of a black wedge on white.
 
     Parameters
     ----------
@@ -59,8 +59,9 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     -------
     PictureDots
         Without outlines; a corner of a tag that is read and cannot be measured, or that is not where the
-        others predict it, is flagged ``bad-fit``, or ``cut`` at the frame. Refused where no two tags are read in the grid's places, where fewer than four
-        corners are measured, and where they lie on no smooth surface.
+        others predict it, is flagged ``bad-fit``, or ``cut`` at the frame. Refused where no two tags are read
+        in the grid's places, where the print has small squares and the target has none or the other way
+        round, where fewer than four corners are measured, and where they lie on no smooth surface.
     """
     if grid.corner_squares:
         seen, placed = _placed(grey, grid, settings)

@@ -1,4 +1,4 @@
-"""Tags of an AprilGrid without small squares at their corners: read by their outlines, and fitted as wedges."""
+"""Tags of an AprilGrid without small squares at their corners: read by outlines, fitted as wedges."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.april_grid import AprilGrid
 
 _ANTICLOCKWISE = np.array([1, 0, 3, 2])
-"""OpenCV's corners, clockwise from the upper left one of its picture, which is half a turn from the print's."""
+"""OpenCV's corners, clockwise from the upper left one of its picture, half a turn from the print's."""
 _WHITE_SHARE = 0.5
 """Reach of a fit into the white between tags, of its width."""
 

@@ -60,8 +60,7 @@ class Refusal(StrEnum):
     OTHER_BOARD = "other-board"
     """Markers are seen, but not where the target has them."""
     CORNER_SQUARES = "corner-squares"
-    """Tags of an AprilGrid are in place, but with small squares at their corners where the target has none, or
-    without."""
+    """Tags of an AprilGrid are in place; small squares at their corners are not as the target has them."""
     NO_CHESSBOARD = "no-chessboard"
     """No corners of squares are seen, or they form no board."""
     BOARD_IN_PART = "board-in-part"

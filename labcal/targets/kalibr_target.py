@@ -1,4 +1,4 @@
-"""Kalibr's own description of a target, ``target.yaml``, and Basalt's of the same, read as one of labcal's."""
+"""Kalibr's own description of a target, ``target.yaml``, and Basalt's, read as one of labcal's."""
 
 from pathlib import Path
 from typing import Any
@@ -83,9 +83,9 @@ def _other_units(size_m: float, spacing: float) -> list[str]:
         odd.append(f"tagSize: {size_m:g} m is no tag's side; it is in metres, {size_m / 1000.0:g} for mm")
     least, most = _SPACINGS
     if size_m > 0.0 and not least <= spacing <= most:
-        share = next((gap for gap in (spacing / size_m, spacing / size_m / 1000.0) if least <= gap <= most), None)
+        lengths = [spacing / size_m, spacing / size_m / 1000.0]
+        share = next((gap for gap in lengths if least <= gap <= most), None)
         mend = f"; of a gap of {spacing:g} in a unit of length it is {share:.4g}" if share else ""
-        odd.append(
-            f"tagSpacing: {spacing:g} should be the gap between tags over their size, {least:g} to {most:g}{mend}"
-        )
+        what = f"the gap between tags over their size, {least:g} to {most:g}{mend}"
+        odd.append(f"tagSpacing: {spacing:g} should be {what}")
     return odd

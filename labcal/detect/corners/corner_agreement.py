@@ -63,9 +63,10 @@ def agreeing(board: Pixels, seen: Pixels, covariance: PixelCovariances) -> Mask:
     A corner that something covers in part may be fitted well to the edge of what covers it, off by many of
     its standard deviations. The prediction is that of a homography and, where the corners demand it, of a
     polynomial beside it: lenses and bent boards. Its degree is the one of least description length (Schwarz
-    1978, Annals of Statistics 6). What no such map follows (waves of the paper, the print) counts as a further
-    variance of every corner, from the median residual. A corner disagrees where the squared normalised
-    difference from the prediction by the others exceeds what chance gives to one picture in a hundred.
+    1978, Annals of Statistics 6). What no such map follows (waves of the paper, the print) counts as a
+    further variance of every corner, from the median residual. A corner disagrees where the squared
+    normalised difference from the prediction by the others exceeds what chance gives to one picture in a
+    hundred.
 
     Parameters
     ----------
@@ -164,7 +165,9 @@ class _Design:
             if kept.any():
                 # What a fit leaves of a corner that counts in it is less than its error.
                 share = np.einsum("nij,nji->n", of_prediction[kept], inverses(total[kept])) / 2.0
-                more = _more(e[kept] / np.sqrt(np.maximum(1.0 - share, _LEAST_SHARE))[:, None], covariance[kept])
+                more = _more(
+                    e[kept] / np.sqrt(np.maximum(1.0 - share, _LEAST_SHARE))[:, None], covariance[kept]
+                )
             agreed = off < limit
             # Of those that disagree the worst ones go first: they may have moved the prediction of others.
             agreed |= kept & (off < 0.5 * off[kept].max(initial=0.0))
@@ -199,7 +202,7 @@ def _homography(at: Pixels, seen: Pixels) -> np.ndarray | None:
 
 def _squares(e: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     """Return squared normalised residuals, shape (n,)."""
-    return _adjugate_squares(e, covariance) / determinants(covariance)
+    return np.asarray(_adjugate_squares(e, covariance) / determinants(covariance))
 
 
 def _adjugate_squares(e: np.ndarray, M: np.ndarray) -> np.ndarray:

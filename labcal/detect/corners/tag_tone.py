@@ -27,7 +27,7 @@ _DEVIATIONS_A_MAD, _MEDIAN_SHARE = 1.4826, 1.2533
 
 
 def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings) -> dict[Node, SettledCorner]:
-    """Return converged fits with the curve of the tone around each, which is no part of their model, taken out.
+    """Return converged fits without the curve of the tone around each, which is no part of their model.
 
     Where grey values are a curved function of light, or ink has spread, all edges seem to move into the black
     or out of it. At a chessboard's corner this is the same on opposite sides, and does not move it. A tag's
