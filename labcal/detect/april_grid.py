@@ -5,8 +5,10 @@ from itertools import chain
 
 import numpy as np
 
-from labcal.arrays import Pixels
-from labcal.detect.corners.corners import Corners
+from labcal.arrays import DotIndices, Pixels
+from labcal.detect.bare_tags import bare_corners, has_corner_squares, read_bare_tags
+from labcal.detect.corners.corner_agreement import without_disagreeing
+from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.enlarged import Enlarged, enlarged_picture
 from labcal.detect.corners.markers_elsewhere import ids_read
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
@@ -22,6 +24,7 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
+from labcal.geometry.two_by_two import determinants
 from labcal.targets.april_grid import AprilGrid
 from labcal.wording import counted
 
@@ -29,6 +32,10 @@ _SMALL_CELL_PX = 3.0
 """Side of a cell below which an enlarged picture may show more of them."""
 _FEWEST = 4
 """Corners that determine a homography."""
+_ON_A_LINE = 1e-6
+"""Determinant of the scatter of nodes on a line, which are whole numbers: of others it is at least 1 / 4."""
+_HAS_NONE = "Tags of the target are in place, but no small black squares touch their corners."
+_HAS_SQUARES = "Small black squares touch the corners of the tags, which the target says are not printed."
 _ENOUGH = 0.5
 """Share of the board's tags in place after which no finer picture is searched."""
 
@@ -37,7 +44,8 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     """Find the corners of a grid's tags in one picture.
 
     Tags are read between saddle points. Those that agree place the grid; tags beside them that were not read
-    are looked for corner by corner where they should be. Each corner is fitted as that of a chessboard.
+    are looked for corner by corner where they should be. Each corner is fitted as that of a chessboard, or,
+    on a print without small squares, as that of a black wedge on white.
 
     Parameters
     ----------
@@ -50,22 +58,38 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     Returns
     -------
     PictureDots
-        Without outlines; a corner of a tag that is read and cannot be measured is flagged ``bad-fit``, or
-        ``cut`` at the frame. Refused where no two tags are read in the grid's places, where fewer than four
-        corners are measured, and where they lie on no smooth surface.
+        Without outlines; a corner of a tag that is read and cannot be measured, or that is not where the
+        others predict it, is flagged ``bad-fit``, or ``cut`` at the frame. Refused where no two tags are read
+        in the grid's places, where the print has small squares and the target has none or the other way
+        round, where fewer than four corners are measured, and where they lie on no smooth surface.
     """
-    seen, placed = _placed(grey, grid, settings)
+    if grid.corner_squares:
+        seen, placed = _placed(grey, grid, settings)
+    else:
+        seen = read_bare_tags(grey, grid, settings)
+        placed = tags_in_place(seen, grid, settings.corner)
+        if has_corner_squares(grey, grid, placed):
+            return _refused(grey, (Refusal.CORNER_SQUARES, _HAS_SQUARES), settings)
     if not placed:
-        refusal, detail = _why_not(seen, grid)
-        return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
-    corners = measured_tags(grey, grid, placed, settings.corner)
+        return _refused(grey, _why_not(grey, seen, grid, settings), settings)
+    if grid.corner_squares:
+        corners = measured_tags(grey, grid, placed, settings.corner)
+    else:
+        corners = bare_corners(grey, grid, placed, settings.corner)
     dots = picture_corners(corners, grey, None, settings)
-    ok = np.flatnonzero([fit is not None for fit in corners.fits])
-    if not corners.select(ok).spans_a_plane():
-        detail = f"{counted(len(placed), 'tag')} of {grid.tag_count} and {len(ok)} of its {grid.count} "
+    dots = without_disagreeing(dots, grid.points(dots.index)[:, :2])
+    index = dots.index[dots.ok]
+    if not spans_a_plane(index):
+        detail = f"{counted(len(placed), 'tag')} of {grid.tag_count} and {len(index)} of its {grid.count} "
         detail += "corners were found."
         return refused_as_few(dots, corners.index, detail)
-    return dots if _is_smooth(corners, ok, settings) else dots.refused(Refusal.GRID_INCONSISTENT)
+    smooth = _is_smooth(index, dots.position[dots.ok], settings)
+    return dots if smooth else dots.refused(Refusal.GRID_INCONSISTENT)
+
+
+def _refused(grey: GreyPicture, why: tuple[Refusal, str], settings: DetectSettings) -> PictureDots:
+    """Return a picture without corners, refused for a reason, with a sentence on what was seen."""
+    return picture_corners(Corners.none(), grey, None, settings).refused(*why)
 
 
 def _placed(
@@ -104,8 +128,14 @@ def _cell_px(quads: list[Pixels], grid: AprilGrid) -> float:
     return float(np.median(sides.min(axis=1))) / cells_along(grid)
 
 
-def _why_not(seen: SeenTags, grid: AprilGrid) -> tuple[Refusal, str]:
+def _why_not(
+    grey: GreyPicture, seen: SeenTags, grid: AprilGrid, settings: DetectSettings
+) -> tuple[Refusal, str]:
     """Return why no tags place the grid, and a sentence on those that are read."""
+    if grid.corner_squares:
+        bare = tags_in_place(read_bare_tags(grey, grid, settings), grid, settings.corner)
+        if has_corner_squares(grey, grid, bare) is False:
+            return Refusal.CORNER_SQUARES, _HAS_NONE
     if len(seen.number) == 0:
         return Refusal.NO_MARKERS, ""
     last = grid.first_id + grid.tag_count - 1
@@ -117,16 +147,15 @@ def _why_not(seen: SeenTags, grid: AprilGrid) -> tuple[Refusal, str]:
     return (Refusal.MARKERS_UNREADABLE if own == 1 else Refusal.OTHER_BOARD), detail
 
 
-def _is_smooth(corners: Corners, ok: np.ndarray, settings: DetectSettings) -> bool:
+def _is_smooth(index: DotIndices, seen: Pixels, settings: DetectSettings) -> bool:
     """Tell whether corners of one kind, which are evenly spaced, lie on a smooth surface, of each kind."""
     for kind in OFFSETS:
-        own = [int(k) for k in ok if tuple(corners.index[k] % 2) == kind]
-        part = corners.select(np.array(own, dtype=np.int64))
-        part = Corners(part.index // 2, part.seen_at, part.fits)
-        if not _determines_a_map(part.index):
+        own = (index % 2 == kind).all(axis=1)
+        nodes = index[own] // 2
+        if not _determines_a_map(nodes):
             continue
-        lattice = Lattice({(int(i), int(j)): k for k, (i, j) in enumerate(part.index)})
-        if not is_smooth(lattice, part.seen_at, settings.grid):
+        lattice = Lattice({(int(i), int(j)): k for k, (i, j) in enumerate(nodes)})
+        if not is_smooth(lattice, seen[own], settings.grid):
             return False
     return True
 
@@ -135,9 +164,6 @@ def _determines_a_map(nodes: np.ndarray) -> bool:
     """Tell whether nodes (n, 2) determine a homography: without any one of them the others span a plane."""
     if len(nodes) < _FEWEST:
         return False
-    middle = nodes - nodes.mean(axis=0)
-    for k in range(len(nodes)):
-        others = np.delete(middle, k, axis=0)
-        if np.linalg.matrix_rank(others - others[0]) < nodes.shape[1]:
-            return False
-    return True
+    away = nodes - nodes.mean(axis=0)
+    without = away.T @ away - away[:, :, None] * away[:, None, :] * (len(nodes) / (len(nodes) - 1.0))
+    return bool(determinants(without).min() > _ON_A_LINE)

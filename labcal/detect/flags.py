@@ -59,6 +59,8 @@ class Refusal(StrEnum):
     """The board is placed by its markers, but nearly none of its corners can be measured."""
     OTHER_BOARD = "other-board"
     """Markers are seen, but not where the target has them."""
+    CORNER_SQUARES = "corner-squares"
+    """Tags of an AprilGrid are in place; small squares at their corners are not as the target has them."""
     NO_CHESSBOARD = "no-chessboard"
     """No corners of squares are seen, or they form no board."""
     BOARD_IN_PART = "board-in-part"
@@ -138,6 +140,10 @@ _ADVICE = {
         "Only a part of the chessboard was found, and nothing numbers it. Show three neighbouring corners at "
         "least of each outermost line; check that the target has as many inner corners as the print; or "
         "use a board with marks, or a ChArUco board."
+    ),
+    Refusal.CORNER_SQUARES: (
+        "Set `corner_squares` in the target as the print is, and check that it is the target's: prints of "
+        "Kalibr's have small black squares at the corners of their tags."
     ),
     Refusal.OTHER_CHESSBOARD: (
         "A chessboard was found that is not the target's. Check its numbers of inner corners (squares less "

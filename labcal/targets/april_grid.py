@@ -18,6 +18,7 @@ class AprilGrid(CornerBoard):
     """A flat target with the four corners of every tag of a grid, in Kalibr's convention.
 
     Between the corners of tags are small black squares, so that four of them meet at each corner, two black.
+    Tags of prints that have none (`corner_squares`) lie alone on white.
 
     Corners are numbered (col, row) from 0, x to the right, y up, z out of the board: columns 0 and 1 are the
     left and the right corners of the first column of tags, 2 and 3 those of the second one. Corner (0, 0),
@@ -46,6 +47,9 @@ class AprilGrid(CornerBoard):
     """Id of the lower left tag; the others count on to the right, then upwards."""
     border_cells: Annotated[int, Field(ge=1, le=2)] = 2
     """Width of a tag's black border in cells: 2 on Kalibr's prints, 1 on most others."""
+    corner_squares: bool = True
+    """Whether small black squares touch the tags at their corners, as on Kalibr's prints: with them, corners
+    are more exact, and edges that ink has moved cancel."""
     margin_mm: Margin = 0.0
     """Bare board around what is printed."""
 

@@ -48,9 +48,10 @@ def april_grid_outlines(grid: AprilGrid) -> Outline:
             for first, end in zip(ends[::2], ends[1::2], strict=True):
                 x, y = corner + np.array([first, cells - 1 - row]) / cells
                 holes.append([x, y, (end - first) / cells, 1.0 / cells])
-    i, j = (k.ravel() for k in np.meshgrid(np.arange(grid.tag_cols + 1), np.arange(grid.tag_rows + 1)))
-    size = grid.tag_spacing
-    boxes += [[pitch * a - size, pitch * b - size, size, size] for a, b in zip(i, j, strict=True)]
+    if grid.corner_squares:
+        i, j = (k.ravel() for k in np.meshgrid(np.arange(grid.tag_cols + 1), np.arange(grid.tag_rows + 1)))
+        size = grid.tag_spacing
+        boxes += [[pitch * a - size, pitch * b - size, size, size] for a, b in zip(i, j, strict=True)]
     box, hole = np.array(boxes), np.array(holes).reshape(-1, 4)
     solid = box[:, None, :2] + _SQUARE * box[:, None, 2:]
     empty = hole[:, None, :2] + _SQUARE[::-1] * hole[:, None, 2:]

@@ -182,7 +182,7 @@ def _april_fields(grid: AprilGrid) -> list[str]:
         _number(grid.tag_mm),
         _number(grid.tag_spacing),
         _dictionary_word(grid.dictionary),
-        f"{grid.first_id}.{grid.border_cells}",
+        f"{grid.first_id}.{grid.border_cells}" + ("" if grid.corner_squares else ".0"),
         _number(grid.margin_mm),
     ]
 
@@ -190,7 +190,7 @@ def _april_fields(grid: AprilGrid) -> list[str]:
 def _april(name: str, fields: Sequence[str]) -> AprilGrid:
     size, tag, spacing, dictionary, print_, margin = _so_many(fields, 6)
     cols, rows = _wholes(size, "X", 2)
-    first_id, border = _wholes(print_, ".", 2)
+    first_id, border, *squares = _wholes(print_, ".", 2 + (print_.count(".") > 1))
     return AprilGrid.model_validate(
         {
             "kind": "aprilgrid",
@@ -202,6 +202,7 @@ def _april(name: str, fields: Sequence[str]) -> AprilGrid:
             "dictionary": _dictionary(dictionary),
             "first_id": first_id,
             "border_cells": border,
+            "corner_squares": not squares,
             "margin_mm": _value(margin),
         }
     )

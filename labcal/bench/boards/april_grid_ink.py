@@ -46,7 +46,7 @@ def april_grid_ink(grid: AprilGrid) -> Print:
         row, col = divmod(number, grid.tag_cols)
         y, x = rim + pitch * row, rim + pitch * col
         whole[y : y + cells, x : x + cells] = tag[::-1]
-    for row in range(grid.tag_rows + 1):
+    for row in range(grid.tag_rows + 1 if grid.corner_squares else 0):
         for col in range(grid.tag_cols + 1):
             y, x = PAPER_CELLS + pitch * row, PAPER_CELLS + pitch * col
             whole[y : y + gap, x : x + gap] = 1.0

@@ -7,6 +7,7 @@ import numpy as np
 from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import SettledCorner
 from labcal.detect.corners.corners import Corners, Standard
+from labcal.detect.corners.node_grid import NodeGrid, median_around
 from labcal.detect.corners.tag_places import next_tag
 from labcal.detect.corners.tag_saddle import TagSaddle, fit_tag_saddle
 from labcal.detect.corners.tag_wider_fits import wider_tag_fits
@@ -153,9 +154,9 @@ def _clear(corners: Corners, settings: CornerSettings) -> list[bool]:
     """
     roughness = np.array([np.nan if fit is None else fit.roughness for fit in corners.fits])
     sharp = [fit is not None and fit.state[4:6].min() <= settings.min_blur_px for fit in corners.fits]
-    found = []
-    for place, own, is_sharp in zip(corners.index, roughness, sharp, strict=True):
-        near = (np.abs(corners.index - place) <= _ROUGH_CORNERS).all(axis=1) & np.isfinite(roughness)
-        most = settings.clear_roughness_factor * np.median(roughness[near]) if near.any() else 0.0
-        found.append(bool(own <= most + (settings.roughness_share if is_sharp else 0.0)))
-    return found
+    if not sharp:
+        return []
+    grid = NodeGrid(corners.index)
+    usual = np.nan_to_num(median_around(grid.spread(roughness), _ROUGH_CORNERS)[grid.at])
+    most = settings.clear_roughness_factor * usual + np.where(sharp, settings.roughness_share, 0.0)
+    return [bool(ok) for ok in roughness <= most]

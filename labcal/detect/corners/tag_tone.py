@@ -1,29 +1,33 @@
 """Corners of tags without the shift of edges by a tone curve or by ink that has spread."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from labcal.detect.corners.corner_fit import SettledCorner, settle
-from labcal.detect.corners.corner_model import linearise
+from labcal.detect.corners.corner_kernel import FitLimits
+from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.corners.node_grid import NodeGrid, median_around
+from labcal.detect.corners.tag_tone_kernel import Stack, curve_equations, curve_steps
 from labcal.detect.lattice.lattice import Node
+from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.corner import CornerSettings
 
-_ROUNDS = 2
-"""Fits with the curve of the round before: what is left of a curve after them is below its noise."""
+_MOST_ROUNDS = 4
+"""Steps of the fits, each with the curve that those before leave; they end with the usual tolerance."""
+_WORST_STEPS = 4.0
+"""Last steps of single corners, in the tolerance, above which they go on by themselves."""
 _NEAR = 2
 """Nodes to either side whose curves have one median, against the corners' noise."""
 _SIGMAS = 3.0
 """Deviations at which the curve of all corners of a picture is not chance."""
 _DEVIATIONS_A_MAD, _MEDIAN_SHARE = 1.4826, 1.2533
 """Standard deviation over the median absolute deviation, and that of a median over that of a mean: normal."""
-_RIDGE = 1e-9
 
 
 def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings) -> dict[Node, SettledCorner]:
-    """Return fits with the curve of the tone around each, which is no part of their model, taken out.
+    """Return converged fits without the curve of the tone around each, which is no part of their model.
 
     Where grey values are a curved function of light, or ink has spread, all edges seem to move into the black
     or out of it. At a chessboard's corner this is the same on opposite sides, and does not move it. A tag's
@@ -32,9 +36,13 @@ def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings)
     does, to the first order, a shift of all edges. c is the median of the least squares of the corners
     around; none is taken out where it is not distinct from 0 over all corners.
 
+    Curve and fits converge together: each step of Gauss-Newton is that of the residuals less the curve that
+    is known so far.
+
     Parameters
     ----------
     fits : mapping of (col, row) to SettledCorner
+        They need not have converged.
     settings : CornerSettings
 
     Returns
@@ -42,52 +50,47 @@ def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings)
     dict of (col, row) to SettledCorner
         Without those that do not converge.
     """
-    found, total = dict(fits), dict.fromkeys(fits, 0.0)
-    for number in range(_ROUNDS):
-        bumps, curves = _bumps_and_curves(found.values())
-        if number == 0 and not _is_distinct(curves):
+    if not fits:
+        return {}
+    every = list(fits.values())
+    start, stack = _stacked([fit.window for fit in every])
+    states, free = np.array([fit.state for fit in every]), np.array([fit.free for fit in every])
+    grid, limits = NodeGrid.of(list(fits)), settings.limits(FitLimits)
+    total, bumps = np.zeros(len(every)), np.zeros(start[-1])
+    for number in range(_MOST_ROUNDS):
+        curves, products = curve_equations(states, stack, free, total, bumps)
+        is_curved = number > 0 or _is_distinct(curves)
+        near = median_around(grid.spread(curves), _NEAR)[grid.at] if is_curved else np.zeros(len(every))
+        total += near
+        steps, squares = curve_steps(states, products, free, near, limits)
+        if not is_curved or median_of(steps) <= settings.tolerance_px:
             break
-        grid = NodeGrid.of(list(found))
-        near = median_around(grid.spread(curves), _NEAR)[grid.at]
-        refitted = {}
-        for (node, fit), bump, curve in zip(found.items(), bumps, near.tolist(), strict=True):
-            total[node] += curve
-            plain = fits[node].window.value - total[node] * bump
-            state, window = fit.state.copy(), replace(fit.window, value=plain)
-            rms = settle(state, window, settings.tolerance_px, settings, fit.free)
-            if rms >= 0.0 and state[7] > 0.0:
-                refitted[node] = replace(
-                    fit, state=state, window=window, roughness=rms / (2.0 * float(state[7]))
-                )
-        found = refitted
-        if not found:
-            break
+    found, most = {}, _WORST_STEPS * settings.tolerance_px if is_curved else settings.tolerance_px
+    for k, (node, fit) in enumerate(fits.items()):
+        window = fit.window
+        if is_curved:
+            window = replace(window, value=window.value - total[k] * bumps[start[k] : start[k + 1]])
+        rms = float(np.sqrt(squares[k] / len(window.value)))
+        if steps[k] > most:
+            rms = settle(states[k], window, settings.tolerance_px, settings, fit.free)
+        half = float(states[k, 7])
+        if rms >= 0.0 and half > 0.0:
+            found[node] = replace(fit, state=states[k], window=window, roughness=rms / (2.0 * half))
     return found
+
+
+def _stacked(windows: list[CornerPixels]) -> tuple[np.ndarray, Stack]:
+    """Return the first pixels of windows and the end, and all of them for compiled code."""
+    start = np.concatenate([[0], np.cumsum([len(one.value) for one in windows])])
+    offset, value = (
+        np.concatenate([getattr(one, part) for one in windows], axis=-1) for part in ("offset", "value")
+    )
+    gap, bend = (np.array([getattr(one, part) for one in windows]) for part in ("gap", "bend"))
+    return start, (start, offset, value, gap, bend, windows[0].pattern)
 
 
 def _is_distinct(curves: np.ndarray) -> bool:
     """Return whether the median of curves (n,) is not 0 by chance."""
-    if not len(curves):
-        return False
     middle = float(np.median(curves))
     spread = _DEVIATIONS_A_MAD * float(np.median(np.abs(curves - middle)))
     return bool(abs(middle) * np.sqrt(len(curves)) > _SIGMAS * _MEDIAN_SHARE * spread)
-
-
-def _bumps_and_curves(fits: Iterable[SettledCorner]) -> tuple[list[np.ndarray], np.ndarray]:
-    """Return ``h (1 - X^2)`` at the pixels of each fit, grey values, and by how much its c differs from 0.
-
-    The latter (n,) by least squares with the fit's free parameters.
-    """
-    bumps, curves = [], []
-    for fit in fits:
-        linear = linearise(fit.state, fit.window)
-        light = 1.0 + fit.state[8:] @ fit.window.offset
-        bump = np.asarray(light * fit.state[7] * (1.0 - linear.board**2))
-        rows = np.concatenate([linear.jacobian[: fit.free], bump[None]])
-        size = np.maximum(np.linalg.norm(rows, axis=1), _RIDGE)
-        rows = rows / size[:, None]
-        normal = rows @ rows.T + _RIDGE * np.eye(len(rows))
-        bumps.append(bump)
-        curves.append(float(np.linalg.solve(normal, rows @ linear.residual)[-1] / size[-1]))
-    return bumps, np.array(curves)

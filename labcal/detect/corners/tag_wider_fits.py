@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from labcal.detect.corners.corner_fit import SettledCorner
+from labcal.detect.corners.corner_kernel import LIGHT_KNOWN
 from labcal.detect.corners.edge_bends import across_edges
-from labcal.detect.corners.known_light import known_light_fits, light_slopes
+from labcal.detect.corners.known_light import light_slopes
 from labcal.detect.corners.node_grid import NodeGrid, median_around
 from labcal.detect.corners.tag_saddle import TagSaddle, widened_tag_saddle
 from labcal.detect.corners.tag_tone import tone_free_fits
@@ -67,8 +68,18 @@ def wider_tag_fits(
     grid, places = NodeGrid.of(list(wide)), np.array([one.centre for one in wide.values()])
     white = np.array([one.state[6] + one.state[7] for one in wide.values()])
     slopes = light_slopes(grid, places, np.where(white > 0.0, white, np.nan), (_LIGHT_NODES, _FEWEST))
-    final |= known_light_fits(fits, wide, (slopes, _bends(wide)), settings)
+    for (node, one), slope, bend in zip(wide.items(), slopes, _bends(wide), strict=True):
+        known = not np.isnan(bend).any() and not np.isnan(slope).any()
+        final[node] = _with_light(one, slope, bend) if known else fits[node]
     return tone_free_fits(final, settings)
+
+
+def _with_light(wide: SettledCorner, slope: np.ndarray, bend: np.ndarray) -> SettledCorner:
+    """Return a fit, not converged, with slope of the light and bend of its edges as they are known."""
+    state = wide.state.copy()
+    # The model's light is 1 where the fit began: the slope at the corner is over the level there.
+    state[8:] = slope / (1.0 - slope @ state[:2])
+    return replace(wide, state=state, window=replace(wide.window, bend=bend), free=LIGHT_KNOWN)
 
 
 def _bends(fits: Mapping[Node, SettledCorner]) -> np.ndarray:

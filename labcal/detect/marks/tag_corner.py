@@ -13,7 +13,7 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
 
 _QUIET_CELLS = 0.8
-"""Reach into the quiet zone around a tag, which is a cell wide."""
+"""Reach into the quiet zone around a tag, where that is a cell wide."""
 _TO_MIDDLE = 0.5
 """Reach along an edge, of its length."""
 
@@ -28,16 +28,27 @@ class TagCorner:
         Rough place of the corner, px.
     edges : ndarray, shape (2, 2)
         Columns: from the corner along its two edges to the next corners, px.
-    cells : int
+    cells : float
         Cells along an edge, the border included, which is one cell wide.
+    quiet : float
+        Reach into the quiet zone around a tag, in cells.
     """
 
     centre: np.ndarray
     edges: np.ndarray
-    cells: int
+    cells: float
+    quiet: float = _QUIET_CELLS
 
 
 def fit_tag_corner(grey: GreyPicture, corner: TagCorner, settings: CornerSettings) -> CornerFit | None:
+    """Fit a corner as :func:`settled_tag_corner` does, with its uncertainty."""
+    fit = settled_tag_corner(grey, corner, settings)
+    return None if fit is None else judge(fit, settings)
+
+
+def settled_tag_corner(
+    grey: GreyPicture, corner: TagCorner, settings: CornerSettings
+) -> SettledCorner | None:
     """Fit ``(1 + g d) (m + h W)`` to the pixels along the two edges of a corner, by Gauss-Newton.
 
     ``W`` is a black wedge on white that a Gaussian blurs, and the rest as for a chessboard
@@ -54,7 +65,7 @@ def fit_tag_corner(grey: GreyPicture, corner: TagCorner, settings: CornerSetting
 
     Returns
     -------
-    CornerFit or None
+    SettledCorner or None
         None where the fit does not converge within a cell of the beginning, or the frame is too near.
     """
     cell = np.linalg.norm(corner.edges, axis=0) / corner.cells
@@ -74,7 +85,7 @@ def fit_tag_corner(grey: GreyPicture, corner: TagCorner, settings: CornerSetting
         return None
     if is_cut(corner.centre + state[:2], grey, settings.frame_margin_px):
         return None
-    return judge(SettledCorner(state, window, corner.centre, rms / (2.0 * float(state[7]))), settings)
+    return SettledCorner(state, window, corner.centre, rms / (2.0 * float(state[7])))
 
 
 def _window(grey: GreyPicture, corner: TagCorner, guard: float, settings: CornerSettings) -> CornerPixels:
@@ -85,7 +96,7 @@ def _window(grey: GreyPicture, corner: TagCorner, guard: float, settings: Corner
     return form.pixels(
         grey,
         lambda nearest, farthest: (
-            (cells * nearest > -_QUIET_CELLS) & (cells * nearest < 1.0 - guard) & (farthest < _TO_MIDDLE)
+            (cells * nearest > -corner.quiet) & (cells * nearest < 1.0 - guard) & (farthest < _TO_MIDDLE)
         ),
     )
 

@@ -53,7 +53,7 @@ def find_tags(
     name, cells = tag_name(dictionary), opencv_dictionary(dictionary).markerSize + 2
     rough = [
         (f"{name}-{tag}-{corner}", _surroundings(quad, corner, cells))
-        for tag, quad in _recognised(grey, dictionary, settings)
+        for tag, quad in recognised_tags(grey, dictionary, settings)
         for corner in range(4)
     ]
     fits = [fit_tag_corner(grey, corner, settings.corner) for _, corner in rough]
@@ -77,10 +77,13 @@ def _median(values: list[float]) -> float:
     return float(np.median(values or [0.0]))
 
 
-def _recognised(
-    grey: GreyPicture, dictionary: MarkerDictionary, settings: DetectSettings
+def recognised_tags(
+    grey: GreyPicture, dictionary: MarkerDictionary, settings: DetectSettings, border_cells: int = 1
 ) -> list[tuple[int, np.ndarray]]:
-    """Return the tags that OpenCV recognises, each with its corners roughly in place, (4, 2)."""
+    """Return the tags that OpenCV recognises, each with its corners roughly in place, (4, 2).
+
+    Corners run clockwise from the upper left one of OpenCV's picture of the tag.
+    """
     limits = settings.corner
     large_enough = min(grey.shape) >= limits.min_picture_px
     cut = limits.range_cut_percent
@@ -89,6 +92,7 @@ def _recognised(
         return []
     bytes_ = np.clip((grey - low) * (255.0 / (high - low)), 0, 255).astype(np.uint8)
     parameters = cv2.aruco.DetectorParameters()
+    parameters.markerBorderBits = border_cells
     parameters.minMarkerPerimeterRate = min(0.03, 4.0 * limits.min_marker_px / max(grey.shape))
     corners, ids, _ = cv2.aruco.ArucoDetector(opencv_dictionary(dictionary), parameters).detectMarkers(bytes_)
     numbers: list[int] = [] if ids is None else np.asarray(ids, dtype=np.int64).ravel().tolist()

@@ -128,6 +128,37 @@ def test_borders_of_one_cell_are_read_too() -> None:
     assert dots.ok.sum() == one.count
 
 
+@pytest.mark.parametrize(("border", "spacing"), [(2, 0.3), (1, 0.25), (1, 0.5)])
+def test_tags_without_squares_at_their_corners_are_measured(border: int, spacing: float) -> None:
+    bare = GRID.model_copy(
+        update={"corner_squares": False, "border_cells": border, "tag_spacing": spacing, "first_id": 9}
+    )
+    squares, count = 0.0, 0
+    for seed, (tilt, roll) in enumerate(((0.1, 0.3), (0.5, 1.8), (0.8, -2.6))):
+        how = exposure(tilt=tilt, roll=roll)
+        dots = detect_dots(picture(how, seed, grid=bare), bare)
+        assert dots.refusal is None
+        off = dots.position[dots.ok] - how.seen(bare.points(dots.index[dots.ok])[:, :2])
+        assert len(off) > 0.8 * bare.count
+        assert np.abs(off).max() < 0.2
+        squares += float(np.einsum("ni,nij,nj->", off, np.linalg.inv(dots.covariance[dots.ok]), off))
+        count += 2 * len(off)
+    # Light of white cells in a border of one cell: stated errors are up to a tenth too small.
+    assert chi2.cdf(squares / (1.0 if border > 1 else 1.2), count) < 0.999
+
+
+def test_squares_at_corners_that_are_not_as_the_target_has_them_are_told() -> None:
+    bare, how = GRID.model_copy(update={"corner_squares": False}), exposure()
+    dots = detect_dots(picture(how, grid=bare), GRID)
+    assert dots.refusal is Refusal.CORNER_SQUARES
+    assert "no small black squares touch their corners" in dots.why
+    dots = detect_dots(picture(how), bare)
+    assert dots.refusal is Refusal.CORNER_SQUARES
+    assert "which the target says are not printed" in dots.why
+    nothing = np.full((160, 220), 90, dtype=np.uint8)
+    assert detect_dots(nothing, bare).refusal is Refusal.NO_MARKERS
+
+
 def test_errors_are_near_the_bound() -> None:
     squares, bounds = 0.0, 0.0
     for seed, tilt in enumerate((0.1, 0.6)):

@@ -98,6 +98,45 @@ def test_kalibrs_own_file_is_a_target(tmp_path: Path) -> None:
         load_target(file)
 
 
+def test_basalts_file_is_a_target_and_a_first_tag_is_kept(tmp_path: Path) -> None:
+    file = tmp_path / "aprilgrid_6x6.json"
+    file.write_text('{"tagCols": 6, "tagRows": 5, "tagSize": 0.088, "tagSpacing": 0.3}')
+    target = load_target(file)
+    assert isinstance(target, AprilGrid)
+    assert (target.tag_cols, target.tag_rows, target.tag_mm, target.first_id) == (6, 5, 88.0, 0)
+    file = tmp_path / "target.yaml"
+    file.write_text(f"{KALIBR}codeOffset: 40\n")
+    target = load_target(file)
+    assert isinstance(target, AprilGrid)
+    assert target.first_id == 40
+
+
+@pytest.mark.parametrize(
+    ("size", "spacing", "fault"),
+    [
+        ("88", "0.3", "0.088 for mm"),
+        ("0.088", "0.0264", r"in a unit of length it is 0\.3"),
+        ("0.088", "26.4", r"in a unit of length it is 0\.3"),
+        ("0.088", "30", "the gap between tags over their size, 0.1 to 1"),
+    ],
+)
+def test_units_that_are_not_kalibrs_are_told(size: str, spacing: str, fault: str, tmp_path: Path) -> None:
+    file = tmp_path / "target.yaml"
+    file.write_text(KALIBR.replace("0.088", size).replace("tagSpacing: 0.3", f"tagSpacing: {spacing}"))
+    with pytest.raises(InputError, match=fault):
+        load_target(file)
+
+
+def test_prints_may_have_no_squares_at_corners() -> None:
+    one = grid(corner_squares=False)
+    ink = ink_distance(one)
+    col, row = (round((11.5 - first) / ink.step_mm) for first in ink.origin)
+    assert ink.distance[row, col] < 0.0
+    found = described_by(code_text(one, 2))
+    assert found is not None
+    assert found.target == one.model_copy(update={"name": found.target.name})
+
+
 @pytest.mark.parametrize(("key", "given"), [("tagRows", "true"), ("tagSpacing", "yes"), ("tagSize", "big")])
 def test_numbers_of_kalibr_are_numbers(key: str, given: str, tmp_path: Path) -> None:
     content = {"target_type": "aprilgrid", "tagCols": 6, "tagRows": 6, "tagSize": 0.088, "tagSpacing": 0.3}
