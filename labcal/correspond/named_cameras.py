@@ -23,7 +23,8 @@ _NO_CAMERA = {
     "session", "take", "run", "day", "exp", "exposure", "gain", "part", "plane", "height",
 }  # fmt: skip
 """Words before a number that does not count cameras."""
-_MOST_CAMERAS = 8
+_MOST_CAMERAS, _MOST_NAMED = 8, 64
+"""Cameras that parts of names may tell, unless they are called so; and as many if they are."""
 _SERIAL_DIGITS = 5
 _FULL, _FULL_VIEWS = 0.8, 3
 """Share of pictures, and whole views, from which on some may be missing where a single digit or letter at the
@@ -113,13 +114,15 @@ class _Names:
         return tuple(split.parts[place] for place in places)
 
     def _values(self, places: tuple[int, ...]) -> list[tuple[str, ...]]:
-        return sorted({self._at(split, places) for split in self.splits})
+        return sorted({self._at(split, places) for split in self.splits}, key=_in_order)
 
     def _tells(self, places: tuple[int, ...]) -> bool:
         """Tell whether the parts at some places name the camera."""
-        if len(self._values(places)) > _MOST_CAMERAS:
+        count = len(self._values(places))
+        if count > _MOST_NAMED:
             return False
-        return self._is_named(places) or (self._may_number(places) and self._crosses(places))
+        unnamed = count <= _MOST_CAMERAS and self._may_number(places) and self._crosses(places)
+        return self._is_named(places) or unnamed
 
     def _is_named(self, places: tuple[int, ...]) -> bool:
         """Tell whether the parts are sides, or numbers or letters of what is called a camera."""
@@ -146,7 +149,7 @@ class _Names:
 
     def _may_number(self, places: tuple[int, ...]) -> bool:
         """Tell whether the parts could be what cameras are called: not a time, an exposure or a row."""
-        return any(self.kinds[place] in ("folder", "word") for place in places) or any(
+        return any(self.kinds[place] in ("folder", "word", "serial") for place in places) or any(
             self.kinds[place] == "number"
             and self._word_before(place) not in _NO_CAMERA
             and _counts([split.parts[place] for split in self.splits])
@@ -215,6 +218,11 @@ class _Names:
         return "".join(
             ANY if star else "".join(run) for star, run in groupby(texts, lambda text: text == ANY)
         )
+
+
+def _in_order(value: tuple[str, ...]) -> list[tuple[int, str]]:
+    """Return a sort key by which cam2 comes before cam10."""
+    return [(len(text.lstrip("0")) if text.isdecimal() else 0, text) for text in value]
 
 
 def _common_start(texts: set[str]) -> str:

@@ -62,6 +62,7 @@ _MESSAGE_KEYS = {
 _LAST_OF_A_MESSAGE = "do_rectify:"
 _COUNTS = (0, 4, _PLUMB_BOB, _RATIONAL, 12, 14)
 """OpenCV undistorts with whatever stands in the file, whichever of both names is beside it."""
+_NO_MODEL = ("", "none", None)
 _LENSES = {
     "plumb_bob": (perspective_lens, _COUNTS),
     "rational_polynomial": (perspective_lens, _COUNTS),
@@ -230,6 +231,8 @@ def _data(content: dict[str, Any], key: str, counts: Sequence[int], path: Path) 
 def _camera(content: dict[str, Any], T_cam_world: Pose, path: Path) -> CameraRecord:
     """Return the camera of one file."""
     model = content.get("distortion_model")
+    if model in _NO_MODEL and not any(_data(content, "distortion_coefficients", _COUNTS, path)):
+        model = "plumb_bob"  # a rectified or simulated camera
     if model not in _LENSES:
         raise InputError(
             f"{path}: the distortion model {model!r:.40} has no counterpart here; {', '.join(_LENSES)} have."

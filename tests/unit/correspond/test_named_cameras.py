@@ -28,6 +28,14 @@ PAIRED = {
         crossed("{c}_{n:04d}.tif", ("22534567", "22534571")),
         "22534567_*=cam22534567,22534571_*=cam22534571",
     ),
+    "serials of hexadecimal digits": (
+        crossed("DEV_{c}_{n:03d}.png", ("000F314B1E58", "000F314B1E5A")),
+        "DEV_000F314B1E58_*=000F314B1E58,DEV_000F314B1E5A_*=000F314B1E5A",
+    ),
+    "twelve": (
+        crossed("cam{c}_{n:02d}.png", tuple(str(number) for number in range(1, 13)), 4),
+        ",".join(f"cam{number}_*=cam{number}" for number in range(1, 13)),
+    ),
     "folder and name": (
         [f"{side}/{side}{n:02d}.png" for side in ("left", "right") for n in range(5)],
         "left/left*=left,right/right*=right",
@@ -124,3 +132,21 @@ def test_loose_pictures_are_refused_until_somebody_says(tmp_path: Path) -> None:
     one = loose_sources([str(tmp_path)], parse_camera_endings("*=camera"))
     assert [source.view for source in one[:2]] == ["left00", "left01"]
     assert {source.camera for source in one} == {"camera"}
+
+
+def test_a_named_camera_at_the_end_needs_no_view() -> None:
+    assert parse_camera_endings("-cam{camera}") == {"{view}-cam{camera}": "{camera}"}
+    sources = loose_sources_of(["00-camA.png", "00-camB.png"], "-cam{camera}")
+    assert sources == [("00", "A"), ("00", "B")]
+
+
+def loose_sources_of(images: list[str], cameras: str) -> list[tuple[str, str]]:
+    found = [loose_source(image, parse_camera_endings(cameras)) for image in images]
+    return [(source.view, source.camera) for source in found]
+
+
+def test_one_picture_in_two_formats_is_told(tmp_path: Path) -> None:
+    for name in ("IMG_01.jpg", "IMG_01.tif"):
+        (tmp_path / name).touch()
+    with pytest.raises(InputError, match=r"two formats, give those of one.*\*\.tif"):
+        loose_sources([str(tmp_path)], {})
