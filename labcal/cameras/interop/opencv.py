@@ -65,8 +65,10 @@ def _any_of(keys: Sequence[str]) -> re.Pattern[str]:
 
 
 _MATRICES, _DISTORTIONS = _any_of(MATRIX), _any_of(DIST)
-_OF_OTHERS = re.compile(r"^\s*(projection_matrix|cam0):|LENSMODEL_", re.MULTILINE)
-"""Keys of ROS and Kalibr, and words of mrcal."""
+_OF_OTHERS = re.compile(
+    r"^\s*(projection_matrix|cam0|projection_parameters|T_BS|Camera1?\.fx):|LENSMODEL_", re.MULTILINE
+)
+"""Keys of ROS, Kalibr and programs for robots, and words of mrcal."""
 
 
 def recognises(text: str) -> bool:
