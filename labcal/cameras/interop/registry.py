@@ -1,5 +1,8 @@
 """The formats by name, by the ending of a file, or by what it holds."""
 
+from collections import ChainMap
+from collections.abc import Mapping
+
 from labcal.arguments import one_named
 from labcal.cameras.interop.anipose import ANIPOSE
 from labcal.cameras.interop.basalt import BASALT
@@ -33,8 +36,8 @@ READ_ONLY: dict[str, RigFormat] = {
     one.name: one for one in (EUROC, CAMODOCAL, ORB_SLAM, BASALT, OST, NERFSTUDIO, METASHAPE)
 }
 """Formats that are read and not written."""
-READ: dict[str, RigFormat] = {**FORMATS, **READ_ONLY}
-"""All formats that are read."""
+READ: Mapping[str, RigFormat] = ChainMap(READ_ONLY, FORMATS)
+"""All formats that are read, those that are also written first."""
 
 
 def format_to_read(name: str) -> RigFormat:
