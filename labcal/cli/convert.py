@@ -74,7 +74,8 @@ def add_parser(commands: CommandGroup) -> None:
         "--to",
         dest="to_format",
         metavar="FORMAT",
-        help=f"the same up to {_FORMATS.split(', ')[-1]}; determined by the ending of OUT if that is clear",
+        help=f"the same up to {_FORMATS.rpartition(' ')[-1]}; determined by the ending of OUT if that is "
+        "clear",
     )
     parser.add_argument(
         "--only", type=_names, default=(), metavar="CAMERA,...", help="only these cameras, in this order"

@@ -93,7 +93,7 @@ def parse_camera_endings(text: str) -> dict[str, str]:
 
 def _named_parts(pattern: str) -> str:
     """Return a pattern with the view and the camera as named parts, checked."""
-    if VIEW not in pattern and ANY not in pattern and not pattern.startswith(CAMERA):
+    if VIEW not in pattern and ANY not in pattern and pattern.endswith(CAMERA) and pattern != CAMERA:
         pattern = VIEW + pattern  # the end of the names, as '-cam{camera}'
     others = pattern.replace(VIEW, "\0").replace(ANY, "\0")
     if pattern.count(CAMERA) != 1 or "\0" not in others:

@@ -25,6 +25,7 @@ from labcal.cameras.interop.slam_lenses import (
     enhanced_unified,
     fisheye,
     numbers_by_name,
+    rational,
     unified,
 )
 from labcal.errors import InputError
@@ -33,7 +34,7 @@ from labcal.run.json_reading import json_content
 
 _LENSES: dict[str, Callable[[Mapping[str, object], Path], Lens]] = {
     "pinhole": brown,
-    "pinhole-radtan8": brown,
+    "pinhole-radtan8": rational,
     "kb4": fisheye,
     "ds": double_sphere,
     "eucm": enhanced_unified,

@@ -17,7 +17,14 @@ from labcal.cameras.interop.lens_parameters import camera_record
 from labcal.cameras.interop.numbers_text import picture_size
 from labcal.cameras.interop.placement import rig_of
 from labcal.cameras.interop.read_only import read_only_format
-from labcal.cameras.interop.slam_lenses import Lens, brown, fisheye, numbers_by_name, omnidirectional
+from labcal.cameras.interop.slam_lenses import (
+    Lens,
+    brown,
+    fisheye,
+    numbers_by_name,
+    omnidirectional,
+    rational,
+)
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
 from labcal.errors import InputError
 
@@ -68,7 +75,8 @@ def _lens(content: Mapping[str, Any], path: Path) -> tuple[list[float], Lens]:
         (xi,) = numbers_by_name(("xi",), _part(content, "mirror_parameters", path), path)
         numbers = numbers_by_name(("gamma1", "gamma2", "u0", "v0"), projection, path)
         return numbers, omnidirectional(xi, distortion, path)
-    return numbers_by_name(("fx", "fy", "cx", "cy"), projection, path), brown(distortion, path)
+    lens = (rational if model == "PINHOLE_FULL" else brown)(distortion, path)
+    return numbers_by_name(("fx", "fy", "cx", "cy"), projection, path), lens
 
 
 def _part(content: Mapping[str, Any], key: str, path: Path) -> Mapping[str, Any]:

@@ -2,7 +2,7 @@
 
 ``OPENCV`` is OpenCV's k1 k2 p1 p2 k3, ``OPENCV_FISHEYE`` its fisheye. Pixels count from the corner of the
 first one, as in COLMAP, so that the principal point is 0.5 px larger: it is shifted here and nowhere else.
-The places of the frames are those of one moving camera, and are not read.
+Instant NGP says ``is_fisheye``. The places of the frames are those of one moving camera, and are not read.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -52,7 +52,8 @@ def read_nerfstudio(sources: Sequence[SourceText], given: ReadOptions = NOTHING_
             f"{path} has no fl_x for all of its frames: each has a camera of its own, or none. Calibrate "
             "with one camera for all pictures."
         )
-    model = content.get("camera_model")
+    is_ngps_fisheye = "camera_model" not in content and content.get("is_fisheye") is True
+    model = "OPENCV_FISHEYE" if is_ngps_fisheye else content.get("camera_model")
     if model not in _LENSES:
         known = ", ".join(str(name) for name in _LENSES if name)
         raise InputError(f"{path}: the camera model {model!r:.40} has no counterpart here; {known} have.")

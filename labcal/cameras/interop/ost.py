@@ -5,6 +5,7 @@ other. The contents are those of a camera_info: ``distortion`` is OpenCV's k1 k2
 """
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,8 @@ _NAMES = {
     "rectification": "rectification_matrix",
     "projection": "projection_matrix",
 }
+_ROWS = {"camera_matrix": 3, "rectification_matrix": 3, "projection_matrix": 3}
+"""Lines of numbers; one of the rest."""
 _FISHEYE_COUNT = 4
 """As many coefficients are those of either lens."""
 
@@ -55,6 +58,7 @@ def _content(text: str, path: Path) -> tuple[str, Mapping[str, Any]]:
     """Return the name and the camera_info of one camera."""
     name, key = "", ""
     words: dict[str, list[str]] = {}
+    rows: Counter[str] = Counter()
     for line in text.splitlines()[1:]:
         stripped = line.strip()
         heading = _HEADING.fullmatch(stripped)
@@ -69,6 +73,13 @@ def _content(text: str, path: Path) -> tuple[str, Mapping[str, Any]]:
             if not key:
                 raise InputError(f"{path}: the line '{stripped:.40}' belongs to nothing.")
             words[key] += stripped.split()
+            rows[key] += 1
+    lost = [stated for stated, key in _NAMES.items() if rows[key] != _ROWS.get(key, 1)]
+    if lost:
+        raise InputError(
+            f"{path}: '{lost[0]}' should have {_ROWS.get(_NAMES[lost[0]], 1)} lines of numbers, but has "
+            f"{rows[_NAMES[lost[0]]]}. Copy the text again."
+        )
     if len(words.get("distortion_coefficients", [])) == _FISHEYE_COUNT:
         raise InputError(
             f"{path} has four coefficients and does not state the lens that they are of. Convert ost.yaml, "

@@ -29,15 +29,47 @@ def numbers_by_name(
     return [finite_number(content[f"{prefix}{name}"], f"{prefix}{name}", path) for name in names]
 
 
-def named_coefficients(content: Mapping[str, object], path: Path, *, prefix: str = "") -> list[float]:
-    """Return OpenCV's k1 k2 p1 p2 k3 k4 k5 k6 by their names; those that are not there are 0."""
-    there = {name: content.get(f"{prefix}{name}", "0") for name in _OPENCV_ORDER}
-    return [finite_number(value, f"{prefix}{name}", path) for name, value in there.items()]
+def named_coefficients(
+    content: Mapping[str, object], path: Path, least: int = 4, *, prefix: str = ""
+) -> list[float]:
+    """Return OpenCV's k1 k2 p1 p2 k3 k4 k5 k6 by their names, with 0 for those that are not there.
+
+    Parameters
+    ----------
+    content : mapping
+    path : Path
+        The file, for messages.
+    least : int
+        How many of them must be there, if any is.
+    prefix : str
+        Of all names.
+
+    Raises
+    ------
+    InputError
+        Some of the first ones are lost, or one is no finite number.
+    """
+    there = [name for name in _OPENCV_ORDER if f"{prefix}{name}" in content]
+    if f"{prefix}k4" in content and f"{prefix}p1" not in content:
+        raise InputError(
+            f"{path} has {prefix}k4 and no {prefix}p1, as a fisheye has, but does not state that it is one. "
+            "State the lens as the program does that reads this file."
+        )
+    if there:
+        numbers_by_name(_OPENCV_ORDER[:least], content, path, prefix=prefix)
+    found = [content.get(f"{prefix}{name}", "0") for name in _OPENCV_ORDER]
+    return [finite_number(value, name, path) for name, value in zip(_OPENCV_ORDER, found, strict=True)]
 
 
 def brown(content: Mapping[str, object], path: Path, *, prefix: str = "") -> Lens:
-    """Return OpenCV's lens with the coefficients that are named."""
+    """Return OpenCV's lens with the coefficients that are named, as of :func:`named_coefficients`."""
     return perspective_lens(named_coefficients(content, path, prefix=prefix))
+
+
+def rational(content: Mapping[str, object], path: Path) -> Lens:
+    """Return OpenCV's lens with k1 to k6, p1 and p2, all of which are there."""
+    numbers_by_name(_OPENCV_ORDER, content, path)
+    return perspective_lens(named_coefficients(content, path))
 
 
 def fisheye(

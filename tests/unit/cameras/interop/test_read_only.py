@@ -134,6 +134,11 @@ SINGLE: dict[str, tuple[str, str, Judge]] = {
     "nerfstudio": ("transforms.json", transforms("OPENCV", BROWN, DA), by_brown(KA, DA)),
     "nerfstudio, fisheye": ("t.json", transforms("OPENCV_FISHEYE", FOUR, FA), by_fisheye(KA, FA)),
     "nerfstudio, of instant-ngp": ("t.json", transforms(None, BROWN, DA), by_brown(KA, DA)),
+    "nerfstudio, instant-ngp's fisheye": (
+        "t.json",
+        transforms(None, FOUR, FA).replace("{", '{"is_fisheye": true, ', 1),
+        by_fisheye(KA, FA),
+    ),
     "metashape": (
         "frame.xml",
         metashape(
@@ -287,6 +292,14 @@ def test_results_of_bouguets_toolbox(tmp_path: Path, in_camera: np.ndarray) -> N
         ("a.json", basalt("fov", named(KA)), "'fov' has no counterpart"),
         ("a.json", basalt("ds", named(KA, ("xi",), (0.1,))), "has no alpha"),
         ("ost.txt", ost(("left", KA, DA, np.eye(3), np.c_[KA, np.zeros(3)])), "four coefficients"),
+        ("a.json", transforms(None, FOUR, FA), "as a fisheye has"),
+        ("a.json", transforms(None, BROWN[:3], DA[:3]), "has no p2"),
+        ("a.json", basalt("pinhole-radtan8", named(KA, BROWN, DA)), "has no k3"),
+        (
+            "ost.txt",
+            ost(("left", KA, FIVE, np.eye(3), np.c_[KA, np.zeros(3)])).replace("rectification\n", ""),
+            "'distortion' should have 1 lines of numbers, but has 4",
+        ),
         ("a.json", transforms("EQUIRECTANGULAR", (), ()), "'EQUIRECTANGULAR' has no counterpart"),
         ("a.xml", metashape("frame", {"f": 1900.0, "k4": 0.1}), "Fix them at 0"),
         ("a.xml", metashape("frame", {"f": 1900.0, "b2": 0.1}), "b2 is not zero"),
