@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 _MOST_DIGITS = 9
 _FORMATS = "labcal, opencv, mrcal, kalibr, ros, colmap, colmap-binary, dice, anipose, matlab, matchid"
+_READ_ONLY = "euroc, camodocal, orb-slam, basalt, ost, nerfstudio, metashape"
 _PIXEL_FORMATS = "colmap-tracks, dlc, dice-subsets, columns"
 
 
@@ -40,8 +41,8 @@ def add_parser(commands: CommandGroup) -> None:
         "convert",
         run,
         "Convert cameras (rig.json) and detections (detections.csv) from and to the files of OpenCV, mrcal, "
-        "Kalibr, ROS, COLMAP, DICe, aniposelib, MATLAB and MatchID, and make pixels.csv from tables of "
-        "pixels. "
+        "Kalibr, ROS, COLMAP, DICe, aniposelib, MATLAB and MatchID; read those of EuRoC, VINS, ORB-SLAM, "
+        "Basalt, Nerfstudio and Metashape; and make pixels.csv from tables of pixels. "
         "docs/reference/formats.md lists what each holds.",
         example="labcal convert rig.json rig.cameramodel\n"
         "  labcal convert rig-left.cameramodel rig-right.cameramodel rig.json\n"
@@ -67,13 +68,15 @@ def add_parser(commands: CommandGroup) -> None:
         "--from",
         dest="from_format",
         metavar="FORMAT",
-        help=f"{_FORMATS}; if left out, the content tells; of tables of pixels: {_PIXEL_FORMATS}",
+        help=f"{_FORMATS}, {_READ_ONLY}; if left out, the content tells; of tables of pixels: "
+        f"{_PIXEL_FORMATS}",
     )
     parser.add_argument(
         "--to",
         dest="to_format",
         metavar="FORMAT",
-        help="the same; determined by the ending of OUT if that is clear",
+        help=f"the same up to {_FORMATS.rpartition(' ')[-1]}; determined by the ending of OUT if that is "
+        "clear",
     )
     parser.add_argument(
         "--only", type=_names, default=(), metavar="CAMERA,...", help="only these cameras, in this order"

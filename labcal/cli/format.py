@@ -35,6 +35,8 @@ class FormatEntry:
     """Options of ``labcal convert`` that state what a file does not."""
     lenses: tuple[str, ...]
     """Lens models that are read and written, with all of their coefficients."""
+    written: bool
+    """False if its files are read and not written."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
 
     from labcal.cameras.interop.exchange import Home
     from labcal.cameras.interop.held_lenses import held_lenses
-    from labcal.cameras.interop.registry import FORMATS
+    from labcal.cameras.interop.registry import FORMATS, READ
     from labcal.correspond.interop.pixels.registry import PIXEL_FORMATS
 
     entries = [
@@ -76,8 +78,9 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
             unit=one.unit.value,
             options=tuple(f"--{option}" for option in one.options),
             lenses=held_lenses(one),
+            written=name in FORMATS,
         )
-        for name, one in FORMATS.items()
+        for name, one in READ.items()
     ]
     dots = ("detections.csv", "corners.vnl")
     table = Table(
@@ -95,7 +98,8 @@ def run_list(arguments: Namespace, session: Session) -> ExitStatus:  # noqa: ARG
     for entry in entries:
         files = f"a folder of {' '.join(entry.suffixes)}" if entry.folder else " ".join(entry.suffixes)
         options = " ".join(entry.options)
-        table.add_row(entry.format, files, entry.unit, ", ".join(entry.lenses), options)
+        lenses = ", ".join(entry.lenses) if entry.written else "read, not written"
+        table.add_row(entry.format, files, entry.unit, lenses, options)
     pixels = [
         PixelFormatEntry(name, one.files, tuple(f"--{option}" for option in one.options))
         for name, one in PIXEL_FORMATS.items()

@@ -14,6 +14,7 @@ _TOKEN = re.compile(r"(\*|\{view\}|\{camera\})")
 _PART = re.compile(
     r"(?P<moment>\d{4}([-_.])\d\d\2\d\d(?:[-_.T ]+\d\d([-_.h]?)\d\d(?:\3\d\d)?)?(?!\d)"
     r"|\d\d([-_.])\d\d\4\d\d(?!\d))"
+    r"|(?P<serial>(?<![^\W_])(?=\d*[A-Fa-f])(?=[A-Fa-f]*\d)[\dA-Fa-f]{7,}(?![^\W_]))"
     r"|(?P<number>\d+)|(?P<word>[^\W\d_]+)|(?P<between>[\W_]+)"
 )
 
@@ -25,7 +26,10 @@ class NameParts:
     image: str
     """The path as given."""
     kinds: tuple[str, ...]
-    """Of each part: ``folder``, ``word``, ``number``, ``moment`` (a date or time) or ``between``."""
+    """Of each part: ``folder``, ``word``, ``number``, ``serial``, ``moment`` (a date or time) or ``between``.
+
+    A ``serial`` has digits and the letters A to F, as in DEV_000F314B1E58: the number of a device.
+    """
     parts: tuple[str, ...]
 
 

@@ -4,18 +4,16 @@ A name is split into parts: folders, words, numbers, dates and times, what stand
 several cameras differ in one part that takes every value in every view; those of one camera count on.
 """
 
-import re
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
+from labcal.correspond.camera_folders import camera_called, camera_folders, in_order
 from labcal.correspond.name_patterns import ANY, NameParts, best_pattern, name_parts, view_in
-from labcal.run.names import is_name
 
 _SIDES = ({"left", "right"}, {"l", "r"}, {"links", "rechts"}, {"gauche", "droite"}, {"lft", "rgt"})
-_SIDE_NAMES = {"left": "left", "l": "left", "right": "right", "r": "right"}
 _CAMERA = {"cam", "cams", "camera", "cameras", "kamera", "sensor", "eye"}
 _NO_CAMERA = {
     "x", "y", "z", "row", "col", "column", "tilt", "pan", "yaw", "pitch", "roll", "angle", "deg", "pos",
@@ -23,11 +21,14 @@ _NO_CAMERA = {
     "session", "take", "run", "day", "exp", "exposure", "gain", "part", "plane", "height",
 }  # fmt: skip
 """Words before a number that does not count cameras."""
-_MOST_CAMERAS = 8
+_MOST_CAMERAS, _MOST_NAMED = 8, 64
+"""Cameras that parts of names may tell, unless they are called so; and as many if they are."""
 _SERIAL_DIGITS = 5
-_FULL, _FULL_VIEWS = 0.8, 3
+_FULL, _FULL_VIEWS, _MANY_VIEWS = 0.8, 3, 5
 """Share of pictures, and whole views, from which on some may be missing where a single digit or letter at the
-end of the names is the camera's."""
+end of the names is the camera's; and whole views where a folder, a word or the number of a device is."""
+_NAMING = ("folder", "word", "serial")
+"""Parts of names that may be what a camera is called, whatever they are."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,8 @@ def named_cameras(images: Sequence[str]) -> NamedCameras | None:
     """Return the cameras in the names of pictures; None if there may be only one.
 
     Names tell of cameras where they differ in a side (left and right) or in the number or letter of what is
-    called a camera, or where one part of them takes two values or more and crosses completely with the rest.
+    called a camera, or where one part of them takes two values or more and crosses completely with the rest;
+    or where folders hold equally many pictures, which then pair up in their order.
     """
     alike: dict[tuple[str, ...], list[NameParts]] = defaultdict(list)
     for name in name_parts(images):
@@ -73,7 +75,8 @@ def named_cameras(images: Sequence[str]) -> NamedCameras | None:
     for kinds, splits in sorted(alike.items(), key=lambda item: -len(item[1])):
         if found := _Names(kinds, tuple(splits)).cameras():
             return found
-    return None
+    folders = camera_folders(images)
+    return None if folders is None else NamedCameras(*folders)
 
 
 @dataclass(frozen=True)
@@ -89,15 +92,24 @@ class _Names:
         if not candidates:
             return None
         places = min(candidates, key=self._doubt)
+        folders = None if self._pairs(places) else camera_folders([split.image for split in self.splits])
+        if folders is not None:
+            return NamedCameras(*folders)
         values = self._values(places)
         pictures = [
             next(split.image for split in self.splits if self._at(split, places) == value) for value in values
         ]
         return NamedCameras(self._option(places), tuple(pictures))
 
-    def _doubt(self, places: tuple[int, ...]) -> tuple[bool, int, int]:
-        """Return a sort key of places: the place that most likely names the camera is first."""
-        return (not self._is_named(places), len(self._values(places)), -places[-1])
+    def _doubt(self, places: tuple[int, ...]) -> tuple[bool, int, bool, int, int]:
+        """Return a sort key of places: the place that most likely names the camera is first.
+
+        Cameras are fewer than views, have folders rather than views have, and are counted with fewer digits.
+        """
+        values = self._values(places)
+        in_folder = any(self.kinds[place] == "folder" for place in places)
+        longest = max(len(text) for value in values for text in value)
+        return (not self._is_named(places), len(values), not in_folder, longest, -places[-1])
 
     def _together(self) -> list[tuple[int, ...]]:
         """Return the places at which names differ; those that change together in one."""
@@ -113,13 +125,15 @@ class _Names:
         return tuple(split.parts[place] for place in places)
 
     def _values(self, places: tuple[int, ...]) -> list[tuple[str, ...]]:
-        return sorted({self._at(split, places) for split in self.splits})
+        return sorted({self._at(split, places) for split in self.splits}, key=in_order)
 
     def _tells(self, places: tuple[int, ...]) -> bool:
         """Tell whether the parts at some places name the camera."""
-        if len(self._values(places)) > _MOST_CAMERAS:
+        count = len(self._values(places))
+        if count > _MOST_NAMED:
             return False
-        return self._is_named(places) or (self._may_number(places) and self._crosses(places))
+        unnamed = count <= _MOST_CAMERAS and self._may_number(places) and self._crosses(places)
+        return self._is_named(places) or unnamed
 
     def _is_named(self, places: tuple[int, ...]) -> bool:
         """Tell whether the parts are sides, or numbers or letters of what is called a camera."""
@@ -146,7 +160,7 @@ class _Names:
 
     def _may_number(self, places: tuple[int, ...]) -> bool:
         """Tell whether the parts could be what cameras are called: not a time, an exposure or a row."""
-        return any(self.kinds[place] in ("folder", "word") for place in places) or any(
+        return any(self.kinds[place] in _NAMING for place in places) or any(
             self.kinds[place] == "number"
             and self._word_before(place) not in _NO_CAMERA
             and _counts([split.parts[place] for split in self.splits])
@@ -164,13 +178,26 @@ class _Names:
         if whole == len(views):
             return True
         last = places[-1] == len(self.kinds) - 1 and all(len(split.parts[-1]) == 1 for split in self.splits)
-        return last and whole >= _FULL_VIEWS and len(self.splits) >= _FULL * cameras * len(views)
+        likely = any(self._is_serial(place) for place in places) and whole >= _MANY_VIEWS
+        nearly = len(self.splits) >= _FULL * cameras * len(views)
+        return nearly and (likely or (last and whole >= _FULL_VIEWS))
+
+    def _is_serial(self, place: int) -> bool:
+        """Tell whether a part is a folder, a word or the number of a device, not a count."""
+        shortest = min(len(split.parts[place]) for split in self.splits)
+        return self.kinds[place] in _NAMING or (self.kinds[place] == "number" and shortest >= _SERIAL_DIGITS)
+
+    def _pairs(self, places: tuple[int, ...]) -> bool:
+        """Tell whether there is a view of all cameras."""
+        rest = [place for place in range(len(self.kinds)) if place not in places]
+        views = Counter(self._at(split, rest) for split in self.splits)
+        return max(views.values()) == len(self._values(places))
 
     def _option(self, places: tuple[int, ...]) -> str | None:
         """Return the value of ``--cameras`` that distinguishes the cameras."""
         values = self._values(places)
         for pattern_of in (self._short, self._long):
-            patterns = {pattern_of(value, places): _camera(value) for value in values}
+            patterns = {pattern_of(value, places): camera_called(value[0]) for value in values}
             plain = not any(mark in pattern for pattern in patterns for mark in ",=")
             if (
                 plain
@@ -234,10 +261,3 @@ def _counts(texts: Sequence[str]) -> bool:
         return min(map(len, texts)) >= _SERIAL_DIGITS
     values = sorted({int(text) for text in texts})
     return values[0] in (0, 1) and values == list(range(values[0], values[0] + len(values)))
-
-
-def _camera(value: tuple[str, ...]) -> str:
-    """Return the name of a camera from how the pictures call it."""
-    text = re.sub(r"[^A-Za-z0-9]+", "-", value[0]).strip("-")
-    text = _SIDE_NAMES.get(text.casefold(), text)
-    return f"cam{text}" if text.isdecimal() or not is_name(text) else text

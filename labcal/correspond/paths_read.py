@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from labcal.cameras.interop.registry import FORMATS
+from labcal.cameras.interop.registry import READ
 from labcal.correspond.sources import Source, shoot_sources
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path
@@ -23,7 +23,7 @@ def paths_read(given: Iterable[AnyPath | list[str] | None], sources: Iterable[So
     sources : iterable of Source
         Pictures.
     """
-    endings = SUFFIXES | {suffix for one in FORMATS.values() for suffix in one.suffixes}
+    endings = SUFFIXES | {suffix for one in READ.values() for suffix in one.suffixes}
     paths = [Path(source.image) for source in sources]
     every = [name for one in given for name in (one if isinstance(one, list) else [one])]
     for path in (as_path(one) for one in every if one):

@@ -13,7 +13,7 @@ from labcal.correspond.picture_folders import endings_seen, picture_files
 from labcal.errors import InputError
 from labcal.run.names import differ_in_case, is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
-from labcal.shoot.pictures import SUFFIXES, read_picture
+from labcal.shoot.pictures import LOSSY, SUFFIXES, read_picture
 from labcal.shoot.raw_pictures import RawFormat, read_raw_picture
 from labcal.wording import clipped, has_control, listed, printable
 
@@ -85,6 +85,8 @@ def parse_camera_endings(text: str) -> dict[str, str]:
 
 def _named_parts(pattern: str) -> str:
     """Return a pattern with the view and the camera as named parts, checked."""
+    if VIEW not in pattern and ANY not in pattern and pattern.endswith(CAMERA) and pattern != CAMERA:
+        pattern = VIEW + pattern  # the end of the names, as '-cam{camera}'
     others = pattern.replace(VIEW, "\0").replace(ANY, "\0")
     if pattern.count(CAMERA) != 1 or "\0" not in others:
         raise InputError(
@@ -160,7 +162,7 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
         if twin is not source:
             raise InputError(
                 f"{twin.image} and {source.image} are both view '{source.view}' of camera '{source.camera}'. "
-                "Give them different names, or distinguish the cameras with `cameras='_0=left,_1=right'`."
+                + _mend_of_twins(twin.image, source.image)
             )
     if not sources:
         raise InputError(
@@ -174,6 +176,21 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
                 "files would be the same ones on many disks. Rename the pictures of one of them."
             )
     return [sources[key] for key in sorted(sources)]
+
+
+def _mend_of_twins(first: str, second: str) -> str:
+    """Return advice for two pictures that would be the same view of the same camera."""
+    one, other = Path(first), Path(second)
+    if one.with_suffix("") == other.with_suffix(""):
+        return (
+            "If a camera stored each picture in two formats, give those of one, the better one: "
+            f"{one.parent / '*'}{min(one.suffix, other.suffix, key=_is_lossy)}"
+        )
+    return "Give them different names, or distinguish the cameras with `cameras='_0=left,_1=right'`."
+
+
+def _is_lossy(suffix: str) -> bool:
+    return suffix.lower() in LOSSY
 
 
 def refuse_unnamed_cameras(images: Sequence[str], endings: Mapping[str, str]) -> None:

@@ -15,10 +15,13 @@ from labcal.run.outputs import write_file
 from labcal.shoot.exr import read_exr
 from labcal.shoot.library_messages import kept_messages
 from labcal.shoot.picture_header import PictureKind, declared_size, picture_kind, require_sensible_size
+from labcal.shoot.picture_stacks import require_one_picture
 from labcal.wording import clipped
 
 _LOSSLESS = {".png", ".tif", ".tiff", ".exr", ".bmp", ".pgm", ".ppm", ".pbm", ".pnm"}
-SUFFIXES = frozenset({*_LOSSLESS, ".jpg", ".jpeg", ".webp"})
+LOSSY = frozenset({".jpg", ".jpeg", ".webp"})
+"""Endings of pictures that mostly have lost some of their light to compression."""
+SUFFIXES = frozenset({*_LOSSLESS, *LOSSY})
 """Endings of the pictures that a folder stands for."""
 _WRITTEN = {
     ".png": PictureKind.PNG,
@@ -35,6 +38,8 @@ _MARKS = {
     PictureKind.BMP: TRAILER,
 }
 _JPEG_QUALITY = 95
+_IN_WORDS = {b"P1", b"P2", b"P3"}
+"""Beginnings of portable pictures whose numbers are written as text."""
 MOST_BYTES = 2**30
 """A larger file is not read."""
 _TIFF_ERROR = "TIFF_Error"
@@ -46,8 +51,7 @@ def read_picture(path: AnyPath) -> np.ndarray:
 
     The pixels are those of the sensor in the order in which they are stored: an orientation that the file
     states in its metadata (EXIF) is not applied. A camera that is turned writes another orientation, but it
-    is still the same camera, and a calibration is one of its sensor. Of a file with several pictures the
-    first one is read.
+    is still the same camera, and a calibration is one of its sensor.
 
     Returns
     -------
@@ -58,8 +62,8 @@ def read_picture(path: AnyPath) -> np.ndarray:
     Raises
     ------
     InputError
-        The file cannot be opened, is truncated or damaged, is no picture of a format that is read, or
-        declares a size that no memory is spent on.
+        The file cannot be opened, is truncated or damaged, is no picture of a format that is read, holds
+        several pictures of one size, or declares a size that no memory is spent on.
     """
     path = as_path(path)
     data = read_bytes(path, "picture", MOST_BYTES)
@@ -76,6 +80,9 @@ def read_picture(path: AnyPath) -> np.ndarray:
             f"The picture {path} is truncated: a JPEG file must end with its end mark. Copy it again."
         )
     require_sensible_size(path, declared_size(data), len(data))
+    require_one_picture(path, data)
+    if data[:2] in _IN_WORDS:
+        data += b"\n"  # OpenCV wants something behind the last number
     flags = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
     try:
         with kept_messages() as said:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from labcal.cameras.interop.exchange import NOTHING_GIVEN, Home, ReadRig, RigFormat, SourceText
-from labcal.cameras.interop.registry import FORMATS
+from labcal.cameras.interop.registry import READ
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 
@@ -24,7 +24,7 @@ def given_files(paths: Sequence[Path], wanted: RigFormat | None) -> list[Path]:
     InputError
         There is none, or more than cameras of any rig.
     """
-    formats = FORMATS.values() if wanted is None else [wanted]
+    formats = READ.values() if wanted is None else [wanted]
     endings = {suffix for one in formats for suffix in one.suffixes}
     files: list[Path] = []
     for path in paths:

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from labcal.arrays import Pose
+from labcal.cameras.interop.bouguet import is_of_bouguet, read_bouguet
 from labcal.cameras.interop.exchange import (
     NOTHING_GIVEN,
     Home,
@@ -69,6 +70,8 @@ def read_matlab(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
         raise InputError("A .mat file holds a pair, or one camera. Give one of them.")
     path = sources[0].path
     variables = read_mat(sources[0].data, path)
+    if is_of_bouguet(variables):
+        return read_bouguet(variables, given, path)
     structs = [one for one in [variables, *variables.values()] if isinstance(one, Mapping)]
     pairs = [one for one in structs if _CAMERAS[0] in one]
     alone = [one for one in structs if "RadialDistortion" in one]

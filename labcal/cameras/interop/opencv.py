@@ -54,16 +54,21 @@ _PAIR = 2
 
 
 def _any_of(keys: Sequence[str]) -> re.Pattern[str]:
-    """Return a pattern of a key of YAML or JSON: one of `keys` of more than a letter, of either camera."""
+    """Return a pattern of a key of YAML or JSON: one of `keys`, of either camera; a letter alone is none."""
     words = sorted((key for key in keys if len(key) > 1), key=len, reverse=True)
+    letters = "|".join(key for key in keys if len(key) == 1)
     sides = "|".join(re.escape(side) for pair in SIDES for side in pair)
-    key = f"(?:{sides})?(?:{'|'.join(words)})(?:{sides})?"
+    key = (
+        f"(?:(?:{sides})?(?:{'|'.join(words)})(?:{sides})?|(?:{sides})(?:{letters})|(?:{letters})(?:{sides}))"
+    )
     return re.compile(rf"""(^\s*|[{{,]\s*["']){key}["']?\s*:""", re.MULTILINE)
 
 
 _MATRICES, _DISTORTIONS = _any_of(MATRIX), _any_of(DIST)
-_OF_OTHERS = re.compile(r"^\s*(projection_matrix|cam0):|LENSMODEL_", re.MULTILINE)
-"""Keys of ROS and Kalibr, and words of mrcal."""
+_OF_OTHERS = re.compile(
+    r"^\s*(projection_matrix|cam0|projection_parameters|T_BS|Camera1?\.fx):|LENSMODEL_", re.MULTILINE
+)
+"""Keys of ROS, Kalibr and programs for robots, and words of mrcal."""
 
 
 def recognises(text: str) -> bool:

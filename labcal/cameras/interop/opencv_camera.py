@@ -27,7 +27,7 @@ COUNTS = (0, 4, 5, 8, 12, 14)
 """Of coefficients that OpenCV takes."""
 MATRIX = (
     "camera_matrix", "cameraMatrix", "Camera_Matrix", "CameraMatrix", "camMatrix", "intrinsic_matrix",
-    "intrinsicMatrix", "mtx", "K", "M",
+    "intrinsicMatrix", "cam_matrix", "mtx", "K", "M",
 )  # fmt: skip
 DIST = (
     "distortion_coefficients", "distCoeffs", "dist_coeffs", "Distortion_Coefficients", "DistCoeffs",
@@ -44,8 +44,8 @@ _BEGINS = ("_", ".")
 _WIDTH = ("image_width", "image_Width", "imageWidth", "img_width", "width", "Width")
 _HEIGHT = ("image_height", "image_Height", "imageHeight", "img_height", "height", "Height")
 _SIZE = ("image_size", "imageSize", "img_size", "ImageSize", "size")
-_ROTATION = ("R", "rotation_matrix", "rotationMatrix")
-_TRANSLATION = ("T", "translation_vector", "translationVector")
+_ROTATION = ("R", "rotation_matrix", "rotationMatrix", "Rot", "rot")
+_TRANSLATION = ("T", "translation_vector", "translationVector", "Trans", "trans")
 _KIND = ("distortion_model", "camera_model", "model_type", "lens_model")
 _FISHEYE_WORDS = {"fisheye", "equidistant", "kannala_brandt", "kannala-brandt", "kb4"}
 _PERSPECTIVE_WORDS = {"plumb_bob", "radtan", "brown", "rational_polynomial", "perspective", "pinhole"}
@@ -174,6 +174,8 @@ def _size(storage: Storage, given: ReadOptions) -> tuple[int, int]:
             f"{storage.path} does not state how large the pictures are. Give it: `size='1280x960'`. Or add "
             "the keys image_width and image_height."
         )
+    if isinstance(listed, dict):  # a matrix, as of a cv::Size or an array
+        listed = listed.get("data")
     size = picture_size(listed if width is None and height is None else [width, height], storage.path)
     if given.size not in (None, size):
         raise InputError(

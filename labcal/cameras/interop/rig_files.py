@@ -16,8 +16,9 @@ from labcal.cameras.interop.exchange import (
     RigTexts,
     Unit,
 )
+from labcal.cameras.interop.foreign_files import foreign_words
 from labcal.cameras.interop.given_files import given_files, one_format
-from labcal.cameras.interop.registry import FORMATS, format_by_name, recognised_format
+from labcal.cameras.interop.registry import READ, format_to_read, recognised_format
 from labcal.cameras.interop.source_file import read_source
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
@@ -31,7 +32,7 @@ from labcal.run.outputs import write_file
 from labcal.run.overwriting import require_file_place
 from labcal.run.unfinished import unfinished_folder
 
-_MOST_BYTES = max(one.most_bytes for one in FORMATS.values())
+_MOST_BYTES = max(one.most_bytes for one in READ.values())
 _MOST_TOGETHER = 4 * _MOST_BYTES
 _LIKELY_MM = (1.0, 1e5)
 """Distances of two cameras that are taken as they stand."""
@@ -64,7 +65,7 @@ def read_rig_files(
         is given does not apply to its format; or cameras are so near to each other or so far apart that
         lengths are hardly in the unit that they are taken for.
     """
-    wanted = None if format_name is None else format_by_name(format_name)
+    wanted = None if format_name is None else format_to_read(format_name)
     given_paths = [as_path(path) for path in paths]
     files = given_files(given_paths, wanted)
     together = sum(path.stat().st_size for path in files if path.is_file())
@@ -76,9 +77,12 @@ def read_rig_files(
     known = [(source, one) for source, one in found if one is not None]
     strange = [source.path for source, one in found if one is None]
     if strange and not (in_folder and known):
+        seems = foreign_words(by_path[strange[0]].text)
+        if seems is not None:
+            raise InputError(f"{strange[0]} is of no format that is read here. {seems}")
         what = "" if by_path[strange[0]].is_text else "is no text file, and "
         raise InputError(
-            f"{strange[0]} {what}is of no format that is read here ({', '.join(FORMATS)}). If it should be, "
+            f"{strange[0]} {what}is of no format that is read here ({', '.join(READ)}). If it should be, "
             "name it: `from_format='FORMAT'`."
         )
     kinds = {one.name: one for _, one in known}

@@ -7,7 +7,7 @@ undistort --rectify`` does it.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +62,7 @@ _MESSAGE_KEYS = {
 _LAST_OF_A_MESSAGE = "do_rectify:"
 _COUNTS = (0, 4, _PLUMB_BOB, _RATIONAL, 12, 14)
 """OpenCV undistorts with whatever stands in the file, whichever of both names is beside it."""
+_NO_MODEL = ("", "none", None)
 _LENSES = {
     "plumb_bob": (perspective_lens, _COUNTS),
     "rational_polynomial": (perspective_lens, _COUNTS),
@@ -90,20 +91,42 @@ def read_ros(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN)
     """
     contents = [_content(source) for source in sources]
     paths = [source.path for source in sources]
+    names = [str(content.get("camera_name") or "") for content in contents]
+    return rig_of_infos(contents, names, paths)
+
+
+def rig_of_infos(
+    contents: Sequence[Mapping[str, Any]], names: Sequence[str], paths: Sequence[Path]
+) -> ReadRig:
+    """Return the rig of one camera_info, or of those of a rectified pair.
+
+    Parameters
+    ----------
+    contents : sequence of mappings
+        With the keys of camera_info files.
+    names : sequence of str
+        Of the cameras; the file's where one is empty.
+    paths : sequence of Path
+        The files, for messages.
+
+    Raises
+    ------
+    InputError
+        As of :func:`read_ros`.
+    """
     poses = [np.eye(4)]
     notes: tuple[str, ...] = ()
-    if len(sources) > _PAIR:
+    if len(contents) > _PAIR:
         raise InputError("ROS files hold one camera, or a rectified pair. Give one or two of them.")
-    if len(sources) == _PAIR:
+    if len(contents) == _PAIR:
         T_second_first, notes = _pair_pose(contents, paths)
         poses.append(T_second_first)
-    names = [
-        str(content.get("camera_name") or path.stem) for content, path in zip(contents, paths, strict=True)
-    ]
     cameras = [_camera(content, T, path) for content, T, path in zip(contents, poses, paths, strict=True)]
     notes += tuple(_note_on_part(content, path) for content, path in zip(contents, paths, strict=True)
                    if _is_of_part(content))  # fmt: skip
-    return ReadRig(rig_of(names, cameras), notes)
+    return ReadRig(
+        rig_of([name or path.stem for name, path in zip(names, paths, strict=True)], cameras), notes
+    )
 
 
 def write_ros(rig: Rig, _suffix: str) -> RigTexts:
@@ -199,7 +222,7 @@ def _document(text: str, path: Path) -> dict[str, Any]:
     }
 
 
-def _is_of_part(content: dict[str, Any]) -> bool:
+def _is_of_part(content: Mapping[str, Any]) -> bool:
     """Tell whether the pictures of a camera are smaller than those that its matrix holds for."""
     roi = content.get(_ROI)
     sides = [roi.get(key) for key in ("width", "height")] if isinstance(roi, dict) else []
@@ -210,14 +233,14 @@ def _is_of_part(content: dict[str, Any]) -> bool:
     return bool(parts) or any(str(content.get(key) or 0) not in {"0", "1"} for key in _BINNING)
 
 
-def _note_on_part(content: dict[str, Any], path: Path) -> str:
+def _note_on_part(content: Mapping[str, Any], path: Path) -> str:
     return (
         f"{path} states binning or a region of interest: its camera is read as of whole pictures of "
         f"{content.get('image_width')} x {content.get('image_height')} px, which its matrix holds for."
     )
 
 
-def _data(content: dict[str, Any], key: str, counts: Sequence[int], path: Path) -> tuple[float, ...]:
+def _data(content: Mapping[str, Any], key: str, counts: Sequence[int], path: Path) -> tuple[float, ...]:
     """Return the numbers of a matrix."""
     matrix = content.get(key)
     if not isinstance(matrix, dict):
@@ -227,9 +250,11 @@ def _data(content: dict[str, Any], key: str, counts: Sequence[int], path: Path) 
     return numbers
 
 
-def _camera(content: dict[str, Any], T_cam_world: Pose, path: Path) -> CameraRecord:
+def _camera(content: Mapping[str, Any], T_cam_world: Pose, path: Path) -> CameraRecord:
     """Return the camera of one file."""
     model = content.get("distortion_model")
+    if model in _NO_MODEL and not any(_data(content, "distortion_coefficients", _COUNTS, path)):
+        model = "plumb_bob"  # a rectified or simulated camera
     if model not in _LENSES:
         raise InputError(
             f"{path}: the distortion model {model!r:.40} has no counterpart here; {', '.join(_LENSES)} have."
@@ -244,7 +269,7 @@ def _camera(content: dict[str, Any], T_cam_world: Pose, path: Path) -> CameraRec
     )
 
 
-def _pair_pose(contents: Sequence[dict[str, Any]], paths: Sequence[Path]) -> tuple[Pose, tuple[str, ...]]:
+def _pair_pose(contents: Sequence[Mapping[str, Any]], paths: Sequence[Path]) -> tuple[Pose, tuple[str, ...]]:
     """Return ``T_second_first``, mm, of a rectified pair."""
     turns, shifts = [], []
     for content, path in zip(contents, paths, strict=True):

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labcal.cameras.interop.registry import FORMATS
+from labcal.cameras.interop.registry import FORMATS, READ, READ_ONLY
 from labcal.cameras.lens import LENSES
 from labcal.cli import console, convert, main
 from labcal.errors import InputError
@@ -34,7 +34,7 @@ def test_lenses_are_those_of_the_registry_with_their_coefficients(capsys: Captur
 
 def test_formats_are_those_of_the_registry_with_what_they_hold(capsys: Capture) -> None:
     told = document(capsys, "format", "list")
-    assert [one["format"] for one in told["formats"]] == list(FORMATS)
+    assert [one["format"] for one in told["formats"]] == list(READ)
     by_name = {one["format"]: one for one in told["formats"]}
     assert (by_name["colmap"]["folder"], by_name["ros"]["folder"]) == (True, False)
     assert (by_name["mrcal"]["unit"], by_name["dice"]["unit"]) == ("m", "mm")
@@ -43,6 +43,8 @@ def test_formats_are_those_of_the_registry_with_what_they_hold(capsys: Capture) 
     assert "fisheye-kb4" not in by_name["dice"]["lenses"]
     assert told["detections"] == ["detections.csv", "corners.vnl"]
     assert list(FORMATS) == convert._FORMATS.split(", ")  # of the help, which imports nothing
+    assert list(READ_ONLY) == convert._READ_ONLY.split(", ")
+    assert [one["format"] for one in told["formats"] if not one["written"]] == list(READ_ONLY)
 
 
 def test_methods_are_those_of_the_registry_and_of_the_help_of_fit(capsys: Capture) -> None:
@@ -55,9 +57,7 @@ def test_methods_are_those_of_the_registry_and_of_the_help_of_fit(capsys: Captur
     assert ", ".join(method_entries()) in " ".join(capsys.readouterr().out.split())
 
 
-@pytest.mark.parametrize(
-    ("verb", "names"), [("lens", LENSES), ("method", method_names()), ("format", FORMATS)]
-)
+@pytest.mark.parametrize(("verb", "names"), [("lens", LENSES), ("method", method_names()), ("format", READ)])
 def test_a_table_is_whole_in_80_columns(
     verb: str, names: list[str], capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -28,6 +28,14 @@ PAIRED = {
         crossed("{c}_{n:04d}.tif", ("22534567", "22534571")),
         "22534567_*=cam22534567,22534571_*=cam22534571",
     ),
+    "serials of hexadecimal digits": (
+        crossed("DEV_{c}_{n:03d}.png", ("000F314B1E58", "000F314B1E5A")),
+        "DEV_000F314B1E58_*=000F314B1E58,DEV_000F314B1E5A_*=000F314B1E5A",
+    ),
+    "twelve": (
+        crossed("cam{c}_{n:02d}.png", tuple(str(number) for number in range(1, 13)), 4),
+        ",".join(f"cam{number}_*=cam{number}" for number in range(1, 13)),
+    ),
     "folder and name": (
         [f"{side}/{side}{n:02d}.png" for side in ("left", "right") for n in range(5)],
         "left/left*=left,right/right*=right",
@@ -35,6 +43,12 @@ PAIRED = {
     "folders below": (crossed("{c}/data/{n}.png", ("cam0", "cam1")), "cam0/*=cam0,cam1/*=cam1"),
     "a folder a view": (crossed("scene{n}/im{c}.png", ("0", "1")), "*/im0=cam0,*/im1=cam1"),
     "words": (crossed("{c}_{n:04d}.png", ("master", "slave")), "master_*=master,slave_*=slave"),
+    "one of a word lost": (crossed("{c}_{n}.png", ("vis", "nir"))[:-1], "nir_*=nir,vis_*=vis"),
+    "one in a folder lost": (crossed("{c}/{n}.png", ("front", "back"))[:-1], "back/*=back,front/*=front"),
+    "as many views": (
+        crossed("{c}/{n:04d}.png", ("1", "2", "3", "4"), 4),
+        "1/*=cam1,2/*=cam2,3/*=cam3,4/*=cam4",
+    ),
     "one picture lost": (crossed("{n:04d}_{c}.png", ("0", "1"))[:-1], "_0=cam0,_1=cam1"),
     "right ones lost": (crossed("{c}{n:02d}.png", ("left", "right"))[:-3], "left*=left,right*=right"),
 }
@@ -124,3 +138,47 @@ def test_loose_pictures_are_refused_until_somebody_says(tmp_path: Path) -> None:
     one = loose_sources([str(tmp_path)], parse_camera_endings("*=camera"))
     assert [source.view for source in one[:2]] == ["left00", "left01"]
     assert {source.camera for source in one} == {"camera"}
+
+
+def test_a_named_camera_at_the_end_needs_no_view() -> None:
+    assert parse_camera_endings("-cam{camera}") == {"{view}-cam{camera}": "{camera}"}
+    sources = loose_sources_of(["00-camA.png", "00-camB.png"], "-cam{camera}")
+    assert sources == [("00", "A"), ("00", "B")]
+
+
+def loose_sources_of(images: list[str], cameras: str) -> list[tuple[str, str]]:
+    found = [loose_source(image, parse_camera_endings(cameras)) for image in images]
+    return [(source.view, source.camera) for source in found]
+
+
+def test_one_picture_in_two_formats_is_told(tmp_path: Path) -> None:
+    for name in ("IMG_01.jpg", "IMG_01.tif"):
+        (tmp_path / name).touch()
+    with pytest.raises(InputError, match=r"two formats, give those of one.*\*\.tif"):
+        loose_sources([str(tmp_path)], {})
+
+
+@pytest.mark.parametrize(
+    ("images", "option"),
+    [
+        (
+            [f"Nikon/DSC_{n:04d}.jpg" for n in range(5)] + [f"Canon/IMG_{7 + n:04d}.jpg" for n in range(5)],
+            "Nikon=Nikon/,Canon=Canon/",
+        ),
+        (
+            [f"cam_{c}/{1700000000123 + 1000 * n + 17 * (c == 'b')}.png" for c in "ab" for n in range(5)],
+            "cam-a=cam_a/,cam-b=cam_b/",
+        ),
+        ([f"a=1/DSC_{n}.png" for n in range(4)] + [f"a=2/IMG_{n + 9}.png" for n in range(4)], None),
+    ],
+)
+def test_folders_of_as_many_pictures_pair_up_in_their_order(images: list[str], option: str | None) -> None:
+    told = named_cameras(images)
+    assert told is not None
+    assert told.option == option
+    assert len(told.pictures) == 2
+
+
+def test_days_of_one_camera_count_on() -> None:
+    for start in (6, 40):
+        assert named_cameras([f"day{1 + n // 6}/v{n + start * (n // 6)}.png" for n in range(12)]) is None

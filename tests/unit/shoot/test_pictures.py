@@ -161,10 +161,12 @@ def test_pixels_are_those_of_the_sensor_whatever_orientation_is_stated(
     assert read_picture(turned).shape == GREY.shape
 
 
-def test_of_an_animation_the_first_picture_is_read(tmp_path: Path) -> None:
+def test_an_animation_is_refused_with_its_count(tmp_path: Path) -> None:
     first, *more = (Image.fromarray(picture) for picture in (GREY, 255 - GREY, GREY // 2))
-    first.save(tmp_path / "a.png", save_all=True, append_images=more)
-    np.testing.assert_array_equal(read_picture(tmp_path / "a.png"), GREY)
+    for ending in (".png", ".tif", ".webp"):
+        first.save(tmp_path / f"a{ending}", save_all=True, append_images=more)
+        with pytest.raises(InputError, match="holds 3 pictures"):
+            read_picture(tmp_path / f"a{ending}")
 
 
 def test_what_would_fill_the_memory_is_refused_before_it_is_decoded(tmp_path: Path) -> None:

@@ -56,6 +56,7 @@ def require_pair(path: Path) -> None:
         ("left_camera_matrix", "left_dist_coeffs", "right_camera_matrix", "right_dist_coeffs"),
         ("camera_matrix_0", "distortion_coefficients_0", "camera_matrix_1", "distortion_coefficients_1"),
         ("LEFT.K", "LEFT.D", "RIGHT.K", "RIGHT.D"),
+        ("cam_matrix_left", "dist_left", "cam_matrix_right", "dist_right"),
         ("Camera_Matrix_1", "Distortion_Coefficients_1", "Camera_Matrix_2", "Distortion_Coefficients_2"),
     ],
 )
@@ -124,6 +125,16 @@ def test_plain_json_and_yaml_and_what_is_within_a_key(tmp_path: Path) -> None:
         assert record.dist[0] == -0.17
         path.write_text(json.dumps(nested, indent=indent))
         require_pair(path)
+
+
+def test_a_pair_in_one_line_of_json_and_its_size_as_a_matrix(tmp_path: Path) -> None:
+    """Its keys are of one letter and a number, which alone tell the format."""
+    content = {"K1": K1, "D1": D1[None], "K2": K2, "D2": D2[None], "Rot": R, "Trans": T[:, None]}
+    (tmp_path / "a.json").write_text(json.dumps({key: value.tolist() for key, value in content.items()}))
+    require_pair(tmp_path / "a.json")
+    size = "imageSize: !!opencv-matrix\n   rows: 1\n   cols: 2\n   dt: i\n   data: [ 1024, 768 ]\n"
+    (tmp_path / "a.yml").write_text(pair(("M1", "D1", "M2", "D2")) + size)
+    assert read_rig_files([tmp_path / "a.yml"], None)[1].rig.camera("left").size == SIZE
 
 
 def test_packed_and_wide_texts(tmp_path: Path) -> None:

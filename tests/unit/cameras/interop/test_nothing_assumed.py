@@ -215,6 +215,10 @@ def test_counts_that_ros_takes_and_what_it_prints(tmp_path: Path) -> None:
         ("plumb_bob", [*five, 0.0, 0.0, 0.0], "brown5"),
         ("plumb_bob", five[:4], "brown5"),
         ("rational_polynomial", five, "brown5"),
+        ("''", [0.0, 0.0], None),
+        ("''", [], "pinhole"),
+        ("none", [0.0] * 5, "pinhole"),
+        ("none", five, None),
         ("rational_polynomial", [*five, 0.01, 0.02, 0.003, *[0.0] * 6], "rational8"),
     ):
         (tmp_path / "info.yaml").write_text(
@@ -222,8 +226,12 @@ def test_counts_that_ros_takes_and_what_it_prints(tmp_path: Path) -> None:
             f"distortion_model: {model}\ndistortion_coefficients:\n  data: {numbers}\n"
             f"rectification_matrix:\n{matrix.format(none)}projection_matrix:\n  data: {P}\n"
         )
+        if lens is None:
+            with pytest.raises(InputError, match=r"distortion"):
+                read(tmp_path / "info.yaml")
+            continue
         (record,) = read(tmp_path / "info.yaml").cameras.values()
-        assert (record.lens, record.dist[:2]) == (lens, (-0.21, 0.08))
+        assert (record.lens, record.dist[:2]) == (lens, (0.0, 0.0) if lens == "pinhole" else (-0.21, 0.08))
     (tmp_path / "echo.yaml").write_text(
         "header:\n  frame_id: front_optical\nheight: 960\nwidth: 1280\ndistortion_model: plumb_bob\n"
         f"d: {five}\nk: {K}\nr: {none}\np: {P}\nbinning_x: 0\n---\nheader:\n  frame_id: x\n"
