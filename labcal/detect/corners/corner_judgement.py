@@ -145,20 +145,22 @@ def _add_products(
             if mask[j, i]:
                 number[j, i + REACH] = k
                 k += 1
-    for j in range(height):
-        for i in range(REACH, width + REACH):
-            here = number[j, i]
-            if here < 0:
-                continue
-            flat = off_edges[here] > flat_blurs
-            for lag in range(LAGS):
-                down = lag // (2 * REACH + 1)
-                there = number[j + down, i + lag - down * (2 * REACH + 1) - REACH]
-                if there < 0:
+    flat = np.empty(len(residual))
+    for k in range(len(residual)):
+        flat[k] = 1.0 if off_edges[k] > flat_blurs else 0.0
+    flat_residual, by_x, by_y = flat * residual, jacobian[0], jacobian[1]
+    for lag in range(LAGS):
+        down = lag // (2 * REACH + 1)
+        beside = lag - down * (2 * REACH + 1) - REACH
+        pairs = energy = gradients = 0.0
+        for j in range(height):
+            for i in range(REACH, width + REACH):
+                here, there = number[j, i], number[j + down, i + beside]
+                if here < 0 or there < 0:
                     continue
-                sums[lag, 2] += (
-                    jacobian[0, here] * jacobian[0, there] + jacobian[1, here] * jacobian[1, there]
-                )
-                if flat and off_edges[there] > flat_blurs:
-                    sums[lag, 0] += 1.0
-                    sums[lag, 1] += residual[here] * residual[there]
+                pairs += flat[here] * flat[there]
+                energy += flat_residual[here] * flat_residual[there]
+                gradients += by_x[here] * by_x[there] + by_y[here] * by_y[there]
+        sums[lag, 0] += pairs
+        sums[lag, 1] += energy
+        sums[lag, 2] += gradients

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from labcal.arrays import Pixels
-from labcal.detect.corners.corner_fit import SettledCorner, fit_corner
+from labcal.detect.corners.corner_fit import SettledCorner, fit_corners
 from labcal.detect.corners.corner_window import Surroundings
 from labcal.detect.corners.wider_fits import wider_fits
 from labcal.detect.grey import GreyPicture
@@ -98,10 +98,11 @@ def measured_corners(
         return rough
     search = _Search.of(grey, board, settings.corner)
     axes_all = _axes(rough) if rough.axes is None else rough.axes
-    fits = [
-        fit_corner(grey, search.surroundings((int(i), int(j)), place, axes), settings.corner)
-        for (i, j), place, axes in zip(rough.index, rough.seen_at, axes_all, strict=True)
+    around = [
+        search.surroundings((i, j), place, axes)
+        for (i, j), place, axes in zip(rough.index.tolist(), rough.seen_at, axes_all, strict=True)
     ]
+    fits = fit_corners(grey, around, settings.corner)
     standard = Standard.of(fits)
     fits = [standard.met_by(fit, settings.corner) for fit in fits]
     index = [(int(i), int(j)) for i, j in rough.index]
@@ -113,12 +114,10 @@ def measured_corners(
         found = False
         predictor = Predictor(Lattice(dict(known)), _as_outlines(seen_at), settings.grid)
         expected = predictor.predict(_beside(known, board))
-        for node, prediction in expected.items():
-            if tried.get(node, 0) >= prediction.neighbours:
-                continue
-            tried[node] = prediction.neighbours
-            fit = standard.met_by(search.fit_at(node, prediction), settings.corner)
-            if fit is not None:
+        new = {node: one for node, one in expected.items() if tried.get(node, 0) < one.neighbours}
+        tried |= {node: one.neighbours for node, one in new.items()}
+        for node, fit in zip(new, search.fits_at(new), strict=True):
+            if fit is not None and standard.met_by(fit, settings.corner) is not None:
                 known[node] = len(index)
                 index.append(node)
                 fits.append(fit)
@@ -188,15 +187,16 @@ class _Search:
         i, j = np.indices((board.cols, board.rows)).reshape(2, -1) + 1
         return cls(grey, board, settings, board.is_black(i, j).reshape(board.cols, board.rows))
 
-    def fit_at(self, node: Node, prediction: Prediction) -> SettledCorner | None:
-        """Return the fit of a corner where its neighbours predict it, if it is one."""
-        around = self.surroundings(node, prediction.position, prediction.steps)
-        fit = fit_corner(self.grey, around, self.settings)
-        return (
+    def fits_at(self, predictions: dict[Node, Prediction]) -> list[SettledCorner | None]:
+        """Return the fits of corners where their neighbours predict them; None for those that are none."""
+        around = [self.surroundings(node, one.position, one.steps) for node, one in predictions.items()]
+        fits = fit_corners(self.grey, around, self.settings)
+        return [
             None
-            if fit is None or prediction.residual(fit.centre) > self.settings.max_residual_squares
+            if fit is None or one.residual(fit.centre) > self.settings.max_residual_squares
             else fit
-        )
+            for fit, one in zip(fits, predictions.values(), strict=True)
+        ]
 
     def surroundings(self, node: Node, place: np.ndarray, axes: np.ndarray) -> Surroundings:
         """Return what lies around a corner of the board."""

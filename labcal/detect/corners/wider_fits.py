@@ -56,13 +56,10 @@ def wider_fits(
     bends = across_edges(edge_bends(grid.spread(places))[grid.at], states)
     steps = _steps(grid.spread(places), grid.spread(np.array([surroundings[node].axes for node in nodes])))
     steps = steps[grid.at]
-    wide: dict[Node, SettledCorner] = {}
-    clear = set[Node]()
-    for k, (node, fit) in enumerate(fits.items()):
-        if np.isnan(bends[k]).any():
-            clear.add(node)
-            continue
-        near = replace(
+    told = np.isfinite(bends).all(axis=1)
+    some = [node for node, is_told in zip(nodes, told, strict=True) if is_told]
+    near = [
+        replace(
             surroundings[node],
             centre=places[k],
             axes=steps[k],
@@ -70,11 +67,12 @@ def wider_fits(
             share=settings.wide_reach_squares,
             bend=bends[k],
         )
-        found = widen(grey, near, fit.state, settings)
-        if found is not None:
-            wide[node] = found
+        for node, k in zip(some, np.flatnonzero(told).tolist(), strict=True)
+    ]
+    found = widen(grey, near, states[told], settings)
+    wide = {node: fit for node, fit in zip(some, found, strict=True) if fit is not None}
     wide = _clear(wide, settings.clear_roughness_factor)
-    final = {node: fits[node] for node in fits if node in clear}
+    final = {node: fits[node] for node, is_told in zip(nodes, told, strict=True) if not is_told}
     if not wide:
         return final
     grid, places = NodeGrid.of(list(wide)), np.array([one.centre for one in wide.values()])
