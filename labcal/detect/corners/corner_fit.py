@@ -10,15 +10,15 @@ from labcal.detect.corners.corner_kernel import CHESSBOARD, LIGHT_KNOWN, PARAMET
 from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.corners.corner_pixels import pack, unpacked
 from labcal.detect.corners.corner_rounds import (
-    Places,
     Round,
     WiderLimits,
     first_fits,
     judgements,
     light_fits,
+    take_known_lights,
     wide_fits,
 )
-from labcal.detect.corners.corner_window import Surroundings
+from labcal.detect.corners.corner_window import Places, Surroundings
 from labcal.detect.corners.first_fit import FirstLimits
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -60,12 +60,10 @@ class SettledCorner:
 
 def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings) -> SettledCorner | None:
     """Fit one corner, see :func:`fit_corners`."""
-    return fit_corners(grey, [around], settings)[0]
+    return fit_corners(grey, Places.of(around), settings)[0]
 
 
-def fit_corners(
-    grey: GreyPicture, around: Sequence[Surroundings], settings: CornerSettings
-) -> list[SettledCorner | None]:
+def fit_corners(grey: GreyPicture, places: Places, settings: CornerSettings) -> list[SettledCorner | None]:
     """Fit ``(1 + g d) (m + h X(u1 / s1, u2 / s2))`` to the pixels around each corner, by Gauss-Newton.
 
     `u1` and `u2` are the distances from the two edges, `s1` and `s2` their blurs, `d` the offset from where
@@ -79,7 +77,7 @@ def fit_corners(
     ----------
     grey : ndarray, shape (h, w)
         The picture.
-    around : sequence of Surroundings
+    places : Places
         Where to begin.
     settings : CornerSettings
 
@@ -88,22 +86,21 @@ def fit_corners(
     list of SettledCorner or None
         None where the fit does not converge near the beginning, or on squares of the wrong colours.
     """
-    if not around:
+    if len(places.centre) == 0:
         return []
     limits = settings.limits(FirstLimits), settings.limits(FitLimits)
-    return _settled_corners(first_fits(grey, _places(around), limits), around)
+    fits = first_fits(grey, places, limits)
+    return _settled_corners(fits, range(len(fits.ok)), places, PARAMETERS)
 
 
-def widen(
-    grey: GreyPicture, around: Sequence[Surroundings], first: np.ndarray, settings: CornerSettings
-) -> list[SettledCorner | None]:
+def widen(grey: GreyPicture, places: Places, first: np.ndarray, settings: CornerSettings) -> Round:
     """Fit the same to other pixels, those along the edges, from the states of first fits on.
 
     Parameters
     ----------
     grey : ndarray, shape (h, w)
         The picture.
-    around : sequence of Surroundings
+    places : Places
         With the corners of the first fits as their centres.
     first : ndarray, shape (n, PARAMETERS)
         The first fits' states.
@@ -111,13 +108,42 @@ def widen(
 
     Returns
     -------
-    list of SettledCorner or None
-        None where the fit leaves the first one by more than either may be off.
+    Round
+        A fit that leaves the first one by more than either may be off is none.
     """
-    if not around:
-        return []
+    return wide_fits(grey, places, first, (settings.limits(WiderLimits), settings.limits(FitLimits)))
+
+
+def widened_with_light(
+    wide: Round, which: np.ndarray, places: Places, slopes: np.ndarray, settings: CornerSettings
+) -> list[SettledCorner | None]:
+    """Return some of the fits of a round, by number, with the slope of the light as it is known.
+
+    Parameters
+    ----------
+    wide : Round
+        Of :func:`widen`.
+    which : ndarray of int, shape (n,)
+    places : Places
+        Of these corners, with the bends of their edges as they are known.
+    slopes : ndarray, shape (n, 2)
+        At the corners.
+    settings : CornerSettings
+
+    Returns
+    -------
+    list of SettledCorner or None
+        None where it does not converge.
+    """
+    states, bends = wide.states[which], places.bend
+    lights = _lights(states, slopes)
+    take_known_lights(states, wide.normals[which], lights)
+    states[:, LIGHT_KNOWN:] = lights
     limits = settings.limits(WiderLimits), settings.limits(FitLimits)
-    return _settled_corners(wide_fits(grey, _places(around), first, limits), around)
+    patterns = np.full(len(which), CHESSBOARD)
+    rms = light_fits((wide.pixels, which, patterns), bends, states, limits)
+    fits = Round((rms >= 0.0) & (states[:, 7] > 0.0), states, rms, wide.pixels, wide.normals)
+    return _settled_corners(fits, which.tolist(), places, LIGHT_KNOWN)
 
 
 def with_known_light(
@@ -142,11 +168,10 @@ def with_known_light(
         return []
     windows = [one.window for one in wide]
     states = np.array([one.state for one in wide])
-    # The model's light is 1 where the fit began: the slope at the corner is over the level there.
-    states[:, 8:] = slopes / (1.0 - (slopes * states[:, :2]).sum(axis=1))[:, None]
+    states[:, LIGHT_KNOWN:] = _lights(states, slopes)
     patterns = np.array([window.pattern for window in windows])
     limits = settings.limits(WiderLimits), settings.limits(FitLimits)
-    rms = light_fits(pack(windows), patterns, bends, states, limits).tolist()
+    rms = light_fits((pack(windows), np.arange(len(wide)), patterns), bends, states, limits).tolist()
     found: list[SettledCorner | None] = []
     for one, state, bend, left in zip(wide, states, bends, rms, strict=True):
         step = 2.0 * float(state[7])
@@ -159,27 +184,24 @@ def with_known_light(
     return found
 
 
-def _places(around: Sequence[Surroundings]) -> Places:
-    """Return the surroundings of corners as arrays."""
-    return (
-        np.array([one.centre for one in around], dtype=np.float64),
-        np.array([one.axes for one in around], dtype=np.float64),
-        np.array([one.bend for one in around], dtype=np.float64),
-        np.array([one.limits for one in around], dtype=np.float64),
-    )
+def _lights(states: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Return the slopes of the light as states have them: their light is 1 where the fit began."""
+    return np.asarray(slopes / (1.0 - (slopes * states[:, :2]).sum(axis=1))[:, None])
 
 
-def _settled_corners(fits: Round, around: Sequence[Surroundings]) -> list[SettledCorner | None]:
-    """Return the fits of a round; None for those that are none."""
-    ok, states, rms, pixels = fits
-    return [
-        SettledCorner(state, CornerPixels(*window, CHESSBOARD, one.bend), one.centre, left / (2.0 * half))
-        if fine
-        else None
-        for fine, state, half, left, window, one in zip(
-            ok.tolist(), states, states[:, 7].tolist(), rms.tolist(), unpacked(pixels), around, strict=True
-        )
-    ]
+def _settled_corners(
+    fits: Round, which: Sequence[int], places: Places, free: int
+) -> list[SettledCorner | None]:
+    """Return the fits of a round, to pixels of the corners by these numbers; None for those that are none."""
+    roughness = (fits.rms / (2.0 * np.where(fits.ok, fits.states[:, 7], 1.0))).tolist()
+    found: list[SettledCorner | None] = []
+    for k, (fine, window) in enumerate(zip(fits.ok.tolist(), unpacked(fits.pixels, which), strict=True)):
+        if fine:
+            pixel = CornerPixels(*window, CHESSBOARD, places.bend[k])
+            found.append(SettledCorner(fits.states[k], pixel, places.centre[k], roughness[k], free))
+        else:
+            found.append(None)
+    return found
 
 
 def is_cut(place: np.ndarray, grey: GreyPicture, margin: float) -> bool:

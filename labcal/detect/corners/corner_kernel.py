@@ -32,7 +32,7 @@ _STRAIGHT = 6.0
 """So many blurs from an edge nothing is left of its profile."""
 _FAR = 9.0
 """The darkness of an edge so many blurs away is nothing."""
-_ROWS = 12
+ROWS = 12
 """Of the table of derivatives and, below them, residuals: filled up to whole tiles of products."""
 _RIDGE = 1e-9
 _SINGULAR = 1e-12
@@ -214,18 +214,31 @@ def settled(
     ends: tuple[float, int],
     limits: FitLimits,
 ) -> float:
+    """Iterate a state as :func:`settled_with` does, for callers that need no normal matrix."""
+    return settled_with(state, pixels, ends, limits, np.empty((ROWS, ROWS)))
+
+
+@compiled
+def settled_with(
+    state: np.ndarray,
+    pixels: Pixels,
+    ends: tuple[float, int],
+    limits: FitLimits,
+    normal: np.ndarray,
+) -> float:
     """Iterate a state, in place, to the least squares (Gauss-Newton); return the residuals' root mean square.
 
     It is as the last step leaves it by the linear model, and negative if the state runs away.
 
-    `ends` is the step at which it ends, px, and the number of free parameters, from the first one on.
+    `ends` is the step at which it ends, px, and the number of free parameters, from the first one on. To
+    `normal` (ROWS, ROWS) the lower triangle of the normal matrix of the last step is written.
     """
     tolerance, free = ends
     n = len(pixels[1])
-    table = np.zeros((_ROWS, filled_up(n)))
+    table = np.zeros((ROWS, filled_up(n)))
     residual = table[PARAMETERS]
     rows = (residual, table[:PARAMETERS], np.empty(n), np.empty(n))
-    normal, change, gradient = np.empty((_ROWS, _ROWS)), np.zeros(PARAMETERS), np.empty(PARAMETERS)
+    change, gradient = np.zeros(PARAMETERS), np.empty(PARAMETERS)
     for _ in range(limits.max_iterations):
         fill_jacobian(state, pixels, rows)
         normal[:] = 0.0
@@ -233,9 +246,10 @@ def settled(
         for i in range(free):
             change[i] = gradient[i] = normal[PARAMETERS, i]
             normal[i, i] *= 1.0 + _RIDGE
-        if not factorise(normal, free, _SINGULAR):
+        factor = normal.copy()
+        if not factorise(factor, free, _SINGULAR):
             return -1.0
-        solve(normal, change[:free])
+        solve(factor, change[:free])
         if not np.isfinite(change).all():
             return -1.0
         far = max(hypot(change[0], change[1]) / limits.max_step_px, 1.0)
@@ -251,3 +265,24 @@ def settled(
                 squares -= change[i] * gradient[i]
             return sqrt(max(squares, 0.0) / n)
     return -1.0
+
+
+@compiled
+def take_known_light(state: np.ndarray, normal: np.ndarray, slope: np.ndarray) -> None:
+    """Set a state at its least squares, in place, to those with another slope of the light.
+
+    By the linear model, whose normal matrix is that of :func:`settled_with`; a fit goes on from there.
+    """
+    factor = normal.copy()
+    if not factorise(factor, LIGHT_KNOWN, _SINGULAR):
+        return
+    x, y = slope[0] - state[LIGHT_KNOWN], slope[1] - state[LIGHT_KNOWN + 1]
+    change = np.empty(LIGHT_KNOWN)
+    for i in range(LIGHT_KNOWN):
+        change[i] = -normal[LIGHT_KNOWN, i] * x - normal[LIGHT_KNOWN + 1, i] * y
+    solve(factor, change)
+    for i in range(LIGHT_KNOWN):
+        moved = state[i] + change[i]
+        if _FIRST_BLUR <= i <= _LAST_BLUR:
+            moved = min(max(moved, 0.5 * state[i]), 2.0 * state[i])
+        state[i] = moved

@@ -85,11 +85,10 @@ def pack(windows: Sequence[CornerPixels]) -> PackedPixels:
     )
 
 
-def unpacked(all_: PackedPixels) -> Iterator[Window]:
-    """Return the windows of the corners, as views."""
-    ends = all_.ends.tolist()
-    for (first, at), (last, end), shape, gap in zip(
-        ends, ends[1:], all_.shape.tolist(), all_.gap, strict=False
-    ):
+def unpacked(all_: PackedPixels, which: Sequence[int]) -> Iterator[Window]:
+    """Return the windows of some corners, by number, as views."""
+    ends, shapes = all_.ends.tolist(), all_.shape.tolist()
+    for k in which:
+        (first, at), (last, end), shape, gap = ends[k], ends[k + 1], shapes[k], all_.gap[k]
         offset = all_.offset[2 * first : 2 * last].reshape(2, -1)
         yield all_.mask[at:end].reshape(shape), offset, all_.value[first:last], gap

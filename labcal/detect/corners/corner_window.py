@@ -48,6 +48,30 @@ class Surroundings:
         return WindowLimits(float(self.white), self.gap, self.clear, self.reach, self.share)
 
 
+class Places(NamedTuple):
+    """Surroundings of n corners.
+
+    Attributes
+    ----------
+    centre : ndarray, shape (n, 2)
+    axes : ndarray, shape (n, 2, 2)
+    bend : ndarray, shape (n, 2)
+    limits : ndarray, shape (n, 5)
+        The values of :class:`WindowLimits`.
+    """
+
+    centre: np.ndarray
+    axes: np.ndarray
+    bend: np.ndarray
+    limits: np.ndarray
+
+    @classmethod
+    def of(cls, around: Surroundings) -> "Places":
+        """Return the surroundings of one corner."""
+        one = (around.centre, around.axes, around.bend, around.limits)
+        return cls(*(np.array([part], dtype=np.float64) for part in one))
+
+
 class WindowLimits(NamedTuple):
     """The parts of a corner's surroundings that say which pixels are its own."""
 

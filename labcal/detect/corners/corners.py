@@ -7,11 +7,12 @@ from jaxtyping import Float64, Int
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import SettledCorner, fit_corners
-from labcal.detect.corners.corner_window import Surroundings
+from labcal.detect.corners.corner_window import Places, WindowLimits
 from labcal.detect.corners.wider_fits import wider_fits
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.prediction import Prediction, Predictor
+from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -74,8 +75,8 @@ class Standard:
         """Return the medians."""
         sound = [fit for fit in fits if fit is not None]
         return cls(
-            float(np.median([fit.roughness for fit in sound] or [0.0])),
-            float(np.median([fit.step for fit in sound] or [0.0])),
+            median_of(np.array([fit.roughness for fit in sound] or [0.0])),
+            median_of(np.array([fit.step for fit in sound] or [0.0])),
         )
 
     def met_by(self, fit: SettledCorner | None, settings: CornerSettings) -> SettledCorner | None:
@@ -98,11 +99,7 @@ def measured_corners(
         return rough
     search = _Search.of(grey, board, settings.corner)
     axes_all = _axes(rough) if rough.axes is None else rough.axes
-    around = [
-        search.surroundings((i, j), place, axes)
-        for (i, j), place, axes in zip(rough.index.tolist(), rough.seen_at, axes_all, strict=True)
-    ]
-    fits = fit_corners(grey, around, settings.corner)
+    fits = fit_corners(grey, search.places(rough.index, rough.seen_at, axes_all), settings.corner)
     standard = Standard.of(fits)
     fits = [standard.met_by(fit, settings.corner) for fit in fits]
     index = [(int(i), int(j)) for i, j in rough.index]
@@ -140,16 +137,16 @@ def widened_corners(
         As of :func:`measured_corners`.
     settings : CornerSettings
     """
-    nodes = [(int(i), int(j)) for i, j in corners.index]
+    nodes = [(i, j) for i, j in corners.index.tolist()]
     fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
     if not corners.spans_a_plane() or not fits:
         return corners
-    search = _Search.of(grey, board, settings)
-    around = {
-        node: search.surroundings(node, place, axes)
-        for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
-    }
-    wider = wider_fits(grey, fits, around, settings)
+    fitted = np.flatnonzero([fit is not None for fit in corners.fits])
+    no_axes = np.full((len(fitted), 2, 2), np.nan)
+    places = _Search.of(grey, board, settings).places(
+        corners.index[fitted], corners.seen_at[fitted], no_axes
+    )
+    wider = wider_fits(grey, fits, places, lambda: _axes(corners)[fitted], settings)
     standard = Standard.of(list(wider.values()))
     found = [standard.met_by(wider.get(node), settings) for node in nodes]
     seen_at = [
@@ -189,8 +186,12 @@ class _Search:
 
     def fits_at(self, predictions: dict[Node, Prediction]) -> list[SettledCorner | None]:
         """Return the fits of corners where their neighbours predict them; None for those that are none."""
-        around = [self.surroundings(node, one.position, one.steps) for node, one in predictions.items()]
-        fits = fit_corners(self.grey, around, self.settings)
+        if not predictions:
+            return []
+        index = np.array(list(predictions), dtype=np.int64)
+        seen = np.array([one.position for one in predictions.values()])
+        steps = np.array([one.steps for one in predictions.values()])
+        fits = fit_corners(self.grey, self.places(index, seen, steps), self.settings)
         return [
             None
             if fit is None or one.residual(fit.centre) > self.settings.max_residual_squares
@@ -198,19 +199,18 @@ class _Search:
             for fit, one in zip(fits, predictions.values(), strict=True)
         ]
 
-    def surroundings(self, node: Node, place: np.ndarray, axes: np.ndarray) -> Surroundings:
-        """Return what lies around a corner of the board."""
-        board = self.board
-        reach = float(np.sqrt(self.settings.reach_bend_px * max(self.grey.shape)))
-        return Surroundings(
-            centre=place,
-            axes=axes,
-            white=-1 if self.black[node] else 1,
-            gap=board.corner_gap,
-            clear=board.clear_reach(*node),
-            reach=max(self.settings.min_reach_px, reach),
-            share=self.settings.max_reach_squares,
-        )
+    def places(
+        self, index: Int[np.ndarray, "n 2"], seen_at: Pixels, axes: Float64[np.ndarray, "n 2 2"]
+    ) -> Places:
+        """Return what lies around corners of the board."""
+        board, settings = self.board, self.settings
+        reach = float(np.sqrt(settings.reach_bend_px * max(self.grey.shape)))
+        limits = np.empty((len(index), len(WindowLimits._fields)))
+        limits[:, 0] = np.where(self.black[index[:, 0], index[:, 1]], -1.0, 1.0)
+        limits[:, 1] = board.corner_gap
+        limits[:, 2] = [board.clear_reach(col, row) for col, row in index.tolist()]
+        limits[:, 3], limits[:, 4] = max(settings.min_reach_px, reach), settings.max_reach_squares
+        return Places(seen_at, axes, np.zeros((len(index), 2)), limits)
 
 
 def _axes(corners: Corners) -> np.ndarray:
