@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from labcal.detect.cholesky import factorise, solve
-from labcal.detect.compiled import compiled
+from labcal.detect.compiled import compiled, inlined
 from labcal.detect.corners.edge_profile import edge_profile
 from labcal.detect.row_products import add_own_products, filled_up
 
@@ -76,7 +76,7 @@ def _quadrature(correlation: float) -> np.ndarray:
     return rule
 
 
-@compiled
+@inlined
 def _board_at(a: float, b: float, correlation: float, rule: np.ndarray) -> tuple[float, float, float, float]:
     """Return a blurred chessboard's value, and derivatives by a, b and the correlation, at distances in blurs.
 
@@ -87,14 +87,14 @@ def _board_at(a: float, b: float, correlation: float, rule: np.ndarray) -> tuple
     squares, product = 0.5 * (a * a + b * b), a * b
     if (1.0 - abs(correlation)) * squares > _NOTHING:
         # Beside the corner: a straight edge, and hardly anything of the other one.
-        up_a, up_b = (1.0 if a > 0.0 else -1.0), (1.0 if b > 0.0 else -1.0)
-        value, slope_a, slope_b = up_a * up_b, 0.0, 0.0
+        value, slope_a, slope_b = (1.0 if product > 0.0 else -1.0), 0.0, 0.0
         if abs(a) < _STRAIGHT:
             profile, slope = edge_profile(a)
-            value, slope_a = profile * up_b, slope * up_b
+            up = 1.0 if b > 0.0 else -1.0
+            value, slope_a = profile * up, slope * up
         if abs(b) < _STRAIGHT:
             profile, slope = edge_profile(b)
-            value, slope_b = value * profile * up_b, slope * up_a
+            value, slope_b = value * abs(profile), (slope if a > 0.0 else -slope)
         return value, slope_a, slope_b, 0.0
     per_other = 1.0 / sqrt(1.0 - correlation * correlation)
     profile_a, slope_a = edge_profile(a)
@@ -107,15 +107,15 @@ def _board_at(a: float, b: float, correlation: float, rule: np.ndarray) -> tuple
     return value, slope_a * beside_b, slope_b * beside_a, slope_a * density * per_other
 
 
-@compiled
-def _with_markers(a: float, b: float, gap_a: float, gap_b: float) -> float:
+@inlined
+def _darkness(a: float, b: float, gap_a: float, gap_b: float) -> float:
     """Return how much markers, so far away from the edges, darken a chessboard there; distances in blurs."""
-    if a * b > 0.0 and abs(a) > gap_a - _FAR and abs(b) > gap_b - _FAR:
-        return 0.5 * (1.0 + edge_profile(abs(a) - gap_a)[0]) * (1.0 + edge_profile(abs(b) - gap_b)[0])
-    return 0.0
+    profile_a, _ = edge_profile(abs(a) - gap_a)
+    profile_b, _ = edge_profile(abs(b) - gap_b)
+    return 0.5 * (1.0 + profile_a) * (1.0 + profile_b)
 
 
-@compiled
+@inlined
 def _wedge_at(
     a: float, b: float, board: tuple[float, float, float, float]
 ) -> tuple[float, float, float, float]:
@@ -142,7 +142,7 @@ def pattern_values(u: np.ndarray, correlation: float, gap: np.ndarray, pattern: 
         if pattern == WEDGE:
             values[k] = _wedge_at(a, b, at)[0]
         else:
-            values[k] = at[0] - _with_markers(a, b, gap[0], gap[1])
+            values[k] = at[0] - (_darkness(a, b, gap[0], gap[1]) if a * b > 0.0 else 0.0)
     return values
 
 
@@ -174,37 +174,54 @@ def fill_jacobian(
     turned0 = blur0**2 * (c0 * state[9] - s0 * state[8])
     turned1 = blur1**2 * (c1 * state[9] - s1 * state[8])
     gap0, gap1 = gap[0] / blur0, gap[1] / blur1
+    from0, from1 = gap0 - _FAR, gap1 - _FAR
     per0, per1, half0, half1 = 1.0 / blur0, 1.0 / blur1, 0.5 * bend[0], 0.5 * bend[1]
-    slope_x, slope_y, x0, y0 = state[8], state[9], state[0], state[1]
-    spread_x0, spread_y0 = c0 * blur0**2, s0 * blur0**2
-    spread_x1, spread_y1 = c1 * blur1**2, s1 * blur1**2
-    for k in range(len(value)):
-        x, y = offset[0, k], offset[1, k]
-        dx, dy = x - x0, y - y0
-        across0, across1 = c0 * dy - s0 * dx, c1 * dy - s1 * dx
-        a = (c0 * dx + s0 * dy - half0 * across0 * across0) * per0 + moved0
-        b = (c1 * dx + s1 * dy - half1 * across1 * across1) * per1 + moved1
+    x, y, x0, y0, n = offset[0], offset[1], state[0], state[1], len(value)
+    first, second, turn = np.empty(n), np.empty(n), np.empty(n)
+    across0, across1, along0, along1 = jacobian[2], jacobian[3], jacobian[4], jacobian[5]
+    for k in range(n):
+        dx, dy = x[k] - x0, y[k] - y0
+        far0, far1 = c0 * dy - s0 * dx, c1 * dy - s1 * dx
+        a = (c0 * dx + s0 * dy - half0 * far0 * far0) * per0 + moved0
+        b = (c1 * dx + s1 * dy - half1 * far1 * far1) * per1 + moved1
         at, by_a, by_b, by_correlation = _board_at(a, b, correlation, rule)
         if pattern == WEDGE:
             at, by_a, by_b, by_correlation = _wedge_at(a, b, (at, by_a, by_b, by_correlation))
-        else:
-            at -= _with_markers(a, b, gap0, gap1)
-        light = 1.0 + slope_x * x + slope_y * y
-        plain, lit = mean + step * at, light * step
-        first, second, turn = lit * per0 * by_a, lit * per1 * by_b, lit * by_correlation * turn_size
-        jacobian[0, k] = -first * c0 - second * c1
-        jacobian[1, k] = -first * s0 - second * s1
-        jacobian[2, k] = first * (across0 + turned0) - turn
-        jacobian[3, k] = second * (across1 + turned1) + turn
-        jacobian[4, k] = first * (2.0 * moved0 - a)
-        jacobian[5, k] = second * (2.0 * moved1 - b)
-        jacobian[6, k] = light
-        jacobian[7, k] = light * at
-        jacobian[8, k] = x * plain + first * spread_x0 + second * spread_x1
-        jacobian[9, k] = y * plain + first * spread_y0 + second * spread_y1
-        residual[k] = value[k] - light * plain
-        board[k] = at
+        elif a * b > 0.0 and abs(a) > from0 and abs(b) > from1:
+            at -= _darkness(a, b, gap0, gap1)
+        first[k], second[k], turn[k], board[k] = by_a, by_b, by_correlation, at
+        across0[k], across1[k], along0[k], along1[k] = far0, far1, a, b
         off_edges[k] = min(abs(a), abs(b))
+    # From here on, loops over few arrays without branches: the processor takes several pixels at a time.
+    light, lit, slope_x, slope_y = jacobian[6], jacobian[7], state[8], state[9]
+    for k in range(n):
+        light[k] = 1.0 + slope_x * x[k] + slope_y * y[k]
+    for k in range(n):
+        first[k] *= step * per0 * light[k]
+    for k in range(n):
+        second[k] *= step * per1 * light[k]
+    for k in range(n):
+        turn[k] *= step * turn_size * light[k]
+    for k in range(n):
+        across0[k] = first[k] * (across0[k] + turned0) - turn[k]
+    for k in range(n):
+        across1[k] = second[k] * (across1[k] + turned1) + turn[k]
+    for k in range(n):
+        along0[k] = first[k] * (2.0 * moved0 - along0[k])
+    for k in range(n):
+        along1[k] = second[k] * (2.0 * moved1 - along1[k])
+    for k in range(n):
+        lit[k] = light[k] * board[k]
+    for k in range(n):
+        residual[k] = value[k] - mean * light[k] - step * lit[k]
+    for row, by0, by1 in ((0, -c0, -c1), (1, -s0, -s1)):
+        out = jacobian[row]
+        for k in range(n):
+            out[k] = by0 * first[k] + by1 * second[k]
+    for row, by0, by1 in ((8, c0 * blur0**2, c1 * blur1**2), (9, s0 * blur0**2, s1 * blur1**2)):
+        out, along = jacobian[row], offset[row - 8]
+        for k in range(n):
+            out[k] = along[k] * (mean + step * board[k]) + by0 * first[k] + by1 * second[k]
 
 
 @compiled

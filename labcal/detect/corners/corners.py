@@ -20,6 +20,8 @@ from labcal.geometry.projective_map import projective_map
 from labcal.targets.square_board import SquareBoard
 
 _FEWEST = 4  # corners, not on a line: what a homography takes
+_ALL_NEAR = 24
+"""Most neighbours by which a corner is predicted: within two nodes to either side."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,11 @@ class Corners:
 
 def spans_a_plane(index: Int[np.ndarray, "n 2"]) -> bool:
     """Tell whether corners, by (col, row), are enough for a homography, and not all on one line."""
-    return len(index) >= _FEWEST and int(np.linalg.matrix_rank(index - index[0])) > 1
+    if len(index) < _FEWEST:
+        return False
+    away = index - index[0]
+    farthest = away[np.abs(away).sum(axis=1).argmax()]
+    return bool((away[:, 0] * farthest[1] != away[:, 1] * farthest[0]).any())
 
 
 @dataclass(frozen=True)
@@ -109,8 +115,11 @@ def measured_corners(
     found = bool(known)  # from none there is nothing to predict
     while found:
         found = False
+        beside = _beside(known, board)
+        if all(node in tried and tried[node] >= _ALL_NEAR for node in beside):
+            break
         predictor = Predictor(Lattice(dict(known)), _as_outlines(seen_at), settings.grid)
-        expected = predictor.predict(_beside(known, board))
+        expected = predictor.predict(beside)
         new = {node: one for node, one in expected.items() if tried.get(node, 0) < one.neighbours}
         tried |= {node: one.neighbours for node, one in new.items()}
         for node, fit in zip(new, search.fits_at(new), strict=True):

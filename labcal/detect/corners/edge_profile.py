@@ -4,7 +4,7 @@ from math import erf, exp, pi, sqrt
 
 import numpy as np
 
-from labcal.detect.compiled import compiled
+from labcal.detect.compiled import inlined
 
 _PER_BLUR = 32
 """Entries of the table a blur."""
@@ -16,7 +16,7 @@ _HALF, _SIXTH, _24TH, _120TH, _720TH, _5040TH = 1 / 2, 1 / 6, 1 / 24, 1 / 120, 1
 _SLOPE = np.array([sqrt(2.0 / pi) * exp(-0.5 * place * place) for place in _PLACES.tolist()])
 
 
-@compiled
+@inlined
 def edge_profile(away: float) -> tuple[float, float]:
     """Return ``erf(a / sqrt(2))`` and its derivative ``sqrt(2 / pi) exp(-a^2 / 2)``.
 
