@@ -92,6 +92,8 @@ def judged(
             out[k] = row[k] * variance[k]
     add_products(table, weighted, (0, table.shape[1]), fits)
     _write_covariance(factor, fits, free, covariance)
+    # Variance of Student's distribution: that of the noise is estimated from the corner's own pixels.
+    covariance *= freedom / (freedom - 2.0)
     distance = np.empty(n)
     for k in range(n):
         dx, dy = pixels[0][0, k] - state[0], pixels[0][1, k] - state[1]
