@@ -234,9 +234,7 @@ def judge(fit: SettledCorner, settings: CornerSettings) -> CornerFit | None:
     return CornerFit(fit.centre, covariance, fit.roughness, sums, powers, reach) if ok else None
 
 
-def judge_all(
-    fits: Sequence[SettledCorner | None], settings: CornerSettings
-) -> list[CornerFit | None]:
+def judge_all(fits: Sequence[SettledCorner | None], settings: CornerSettings) -> list[CornerFit | None]:
     """Return fits with their uncertainties, as :func:`judge` does each; None for none."""
     some = [fit for fit in fits if fit is not None]
     if not some:

@@ -105,9 +105,10 @@ def judged(
 
 @compiled
 def _write_covariance(factor: np.ndarray, fits: np.ndarray, free: int, covariance: np.ndarray) -> None:
-    """Write the covariance of the corner's place: ``M J v J' M'`` for two rows M of the inverse normal matrix.
+    """Write the covariance of the corner's place, ``M J v J' M'``.
 
-    `fits` is ``J v J'`` for derivatives J and the pixels' variances v.
+    M holds the first two rows of the inverse normal matrix, `fits` is ``J v J'`` for derivatives J and the
+    pixels' variances v.
     """
     inverse = np.zeros((2, free))
     for axis in range(2):

@@ -1,13 +1,15 @@
 """The blurred pattern of a corner and its fit, in compiled code; what they mean stands at `corner_model`."""
 
-from math import asin, cos, exp, hypot, pi, sin, sqrt
+from math import cos, exp, hypot, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled, inlined
+from labcal.detect.corners.corner_rows import write_levels, write_rows
 from labcal.detect.corners.edge_profile import edge_profile
+from labcal.detect.corners.quadrature import quadrature
 from labcal.detect.row_products import add_own_products, filled_up
 
 PARAMETERS = 10
@@ -19,13 +21,6 @@ CHESSBOARD, WEDGE = 0, 1
 """Patterns: a chessboard of -1 and 1; a black wedge on white."""
 _MOST_OBLIQUE = 0.999
 """Cosine of the angle between the edges."""
-_NODES_3, _WEIGHTS_3 = (np.ascontiguousarray(part) for part in np.polynomial.legendre.leggauss(3))
-_NODES_4, _WEIGHTS_4 = (np.ascontiguousarray(part) for part in np.polynomial.legendre.leggauss(4))
-_NODES_6, _WEIGHTS_6 = (np.ascontiguousarray(part) for part in np.polynomial.legendre.leggauss(6))
-_NODES_12, _WEIGHTS_12 = (np.ascontiguousarray(part) for part in np.polynomial.legendre.leggauss(12))
-_NODES_20, _WEIGHTS_20 = (np.ascontiguousarray(part) for part in np.polynomial.legendre.leggauss(20))
-_LEAST, _FEWER, _FEW, _MORE = 0.2, 0.4, 0.75, 0.95
-"""Correlations up to which 3 and 4 nodes leave errors below 1e-9, 6 and 12 below 1e-8."""
 _NOTHING = 16.0
 """exp(-16) of the board's step is nothing."""
 _STRAIGHT = 6.0
@@ -52,33 +47,9 @@ Pixels = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]
 :class:`labcal.detect.corners.corner_model.CornerPixels`."""
 
 
-@compiled
-def _quadrature(correlation: float) -> np.ndarray:
-    """Return sine, squared inverse cosine and weight of the nodes from correlation 0 on, shape (3, k).
-
-    By Gauss and Legendre, as in Drezner and Wesolowsky 1990 for the normal distribution.
-    """
-    nodes, weights = _NODES_20, _WEIGHTS_20
-    if abs(correlation) < _LEAST:
-        nodes, weights = _NODES_3, _WEIGHTS_3
-    elif abs(correlation) < _FEWER:
-        nodes, weights = _NODES_4, _WEIGHTS_4
-    elif abs(correlation) < _FEW:
-        nodes, weights = _NODES_6, _WEIGHTS_6
-    elif abs(correlation) < _MORE:
-        nodes, weights = _NODES_12, _WEIGHTS_12
-    half = 0.5 * asin(correlation)
-    rule = np.empty((3, len(nodes)))
-    for k in range(len(nodes)):
-        turn = half * (1.0 + nodes[k])
-        rule[0, k], rule[1, k] = sin(turn), 1.0 / cos(turn) ** 2
-        rule[2, k] = 2.0 / pi * half * weights[k]
-    return rule
-
-
 @inlined
 def _board_at(a: float, b: float, correlation: float, rule: np.ndarray) -> tuple[float, float, float, float]:
-    """Return a blurred chessboard's value, and derivatives by a, b and the correlation, at distances in blurs.
+    """Return a blurred chessboard's value at distances in blurs, and derivatives by a, b and the correlation.
 
     It is the expectation of ``sign(a + z1) sign(b + z2)`` for standard normal z1, z2. By Plackett's identity
     (1954, Biometrika 41) its derivative by the correlation is four times the density at (a, b), which is
@@ -135,7 +106,7 @@ def _wedge_at(
 def pattern_values(u: np.ndarray, correlation: float, gap: np.ndarray, pattern: int) -> np.ndarray:
     """Return a pattern at distances u (2, n) from its edges, with markers `gap` (2,) away; all in blurs."""
     values = np.empty(u.shape[1])
-    rule = _quadrature(correlation)
+    rule = quadrature(correlation)
     for k in range(u.shape[1]):
         a, b = u[0, k], u[1, k]
         at = _board_at(a, b, correlation, rule)
@@ -164,15 +135,11 @@ def fill_jacobian(
     offset, value, gap, bend, pattern = pixels
     residual, jacobian, board, off_edges = rows
     correlation = min(max(cos(state[2] - state[3]), -_MOST_OBLIQUE), _MOST_OBLIQUE)
-    rule = _quadrature(correlation)
-    turn_size = sin(state[2] - state[3])
+    rule = quadrature(correlation)
     c0, s0, c1, s1 = cos(state[2]), sin(state[2]), cos(state[3]), sin(state[3])
     blur0, blur1 = state[4], state[5]
-    mean, step = state[6], state[7]
     # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves each edge.
     moved0, moved1 = blur0 * (c0 * state[8] + s0 * state[9]), blur1 * (c1 * state[8] + s1 * state[9])
-    turned0 = blur0**2 * (c0 * state[9] - s0 * state[8])
-    turned1 = blur1**2 * (c1 * state[9] - s1 * state[8])
     gap0, gap1 = gap[0] / blur0, gap[1] / blur1
     from0, from1 = gap0 - _FAR, gap1 - _FAR
     per0, per1, half0, half1 = 1.0 / blur0, 1.0 / blur1, 0.5 * bend[0], 0.5 * bend[1]
@@ -192,36 +159,8 @@ def fill_jacobian(
         first[k], second[k], turn[k], board[k] = by_a, by_b, by_correlation, at
         across0[k], across1[k], along0[k], along1[k] = far0, far1, a, b
         off_edges[k] = min(abs(a), abs(b))
-    # From here on, loops over few arrays without branches: the processor takes several pixels at a time.
-    light, lit, slope_x, slope_y = jacobian[6], jacobian[7], state[8], state[9]
-    for k in range(n):
-        light[k] = 1.0 + slope_x * x[k] + slope_y * y[k]
-    for k in range(n):
-        first[k] *= step * per0 * light[k]
-    for k in range(n):
-        second[k] *= step * per1 * light[k]
-    for k in range(n):
-        turn[k] *= step * turn_size * light[k]
-    for k in range(n):
-        across0[k] = first[k] * (across0[k] + turned0) - turn[k]
-    for k in range(n):
-        across1[k] = second[k] * (across1[k] + turned1) + turn[k]
-    for k in range(n):
-        along0[k] = first[k] * (2.0 * moved0 - along0[k])
-    for k in range(n):
-        along1[k] = second[k] * (2.0 * moved1 - along1[k])
-    for k in range(n):
-        lit[k] = light[k] * board[k]
-    for k in range(n):
-        residual[k] = value[k] - mean * light[k] - step * lit[k]
-    for row, by0, by1 in ((0, -c0, -c1), (1, -s0, -s1)):
-        out = jacobian[row]
-        for k in range(n):
-            out[k] = by0 * first[k] + by1 * second[k]
-    for row, by0, by1 in ((8, c0 * blur0**2, c1 * blur1**2), (9, s0 * blur0**2, s1 * blur1**2)):
-        out, along = jacobian[row], offset[row - 8]
-        for k in range(n):
-            out[k] = along[k] * (mean + step * board[k]) + by0 * first[k] + by1 * second[k]
+    write_levels(state, offset, (value, board), (residual, jacobian[6], jacobian[7]))
+    write_rows(state, (offset, board), (first, second, turn), jacobian)
 
 
 @compiled

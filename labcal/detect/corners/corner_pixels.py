@@ -10,7 +10,7 @@ from labcal.detect.corners.corner_kernel import Pixels
 from labcal.detect.corners.corner_model import CornerPixels
 
 Window = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-"""Mask, offsets, values and gap of one corner, see :class:`~labcal.detect.corners.corner_model.CornerPixels`."""
+"""Mask, offsets, values and gap, see :class:`~labcal.detect.corners.corner_model.CornerPixels`."""
 
 
 class PackedPixels(NamedTuple):
@@ -41,7 +41,11 @@ class PackedPixels(NamedTuple):
 def packed(windows: Sequence[Window]) -> PackedPixels:
     """Return the windows of corners in flat arrays."""
     n = len(windows)
-    ends, shape, gap = np.zeros((n + 1, 2), dtype=np.int64), np.empty((n, 2), dtype=np.int64), np.empty((n, 2))
+    ends, shape, gap = (
+        np.zeros((n + 1, 2), dtype=np.int64),
+        np.empty((n, 2), dtype=np.int64),
+        np.empty((n, 2)),
+    )
     for k in range(n):
         ends[k + 1, 0] = ends[k, 0] + len(windows[k][2])
         ends[k + 1, 1] = ends[k, 1] + windows[k][0].size

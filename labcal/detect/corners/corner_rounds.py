@@ -23,7 +23,6 @@ from labcal.detect.corners.first_fit import FirstLimits, first_fit
 from labcal.detect.edges.residuals import LAGS, SUMS
 
 
-
 class Round(NamedTuple):
     """Fits of n corners.
 

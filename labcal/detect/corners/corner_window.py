@@ -128,7 +128,12 @@ def window_arrays(
             along, up = along_x * dx + along_y * dy, up_x * dx + up_y * dy
             nearest, farthest = min(abs(along), abs(up)), max(abs(along), abs(up))
             marked = along * up * limits.white > 0.0 and nearest > limits.gap - guard
-            if marked or nearest > limits.clear - guard or farthest >= limits.share or dx * dx + dy * dy >= far:
+            if (
+                marked
+                or nearest > limits.clear - guard
+                or farthest >= limits.share
+                or dx * dx + dy * dy >= far
+            ):
                 continue
             mask[j, i] = True
             offset[0, n], offset[1, n], value[n] = dx, dy, grey[top + j, left + i]

@@ -152,9 +152,7 @@ def widened_corners(
         return corners
     fitted = np.flatnonzero([fit is not None for fit in corners.fits])
     no_axes = np.full((len(fitted), 2, 2), np.nan)
-    places = _Search.of(grey, board, settings).places(
-        corners.index[fitted], corners.seen_at[fitted], no_axes
-    )
+    places = _Search.of(grey, board, settings).places(corners.index[fitted], corners.seen_at[fitted], no_axes)
     wider = wider_fits(grey, fits, places, lambda: _axes(corners)[fitted], settings)
     standard = Standard.of(list(wider.values()))
     found = [standard.met_by(wider.get(node), settings) for node in nodes]
@@ -202,9 +200,7 @@ class _Search:
         steps = np.array([one.steps for one in predictions.values()])
         fits = fit_corners(self.grey, self.places(index, seen, steps), self.settings)
         return [
-            None
-            if fit is None or one.residual(fit.centre) > self.settings.max_residual_squares
-            else fit
+            None if fit is None or one.residual(fit.centre) > self.settings.max_residual_squares else fit
             for fit, one in zip(fits, predictions.values(), strict=True)
         ]
 

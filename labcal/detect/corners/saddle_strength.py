@@ -38,16 +38,16 @@ def saddle_strength(smooth: np.ndarray) -> np.ndarray:
 def strongest_places(strength: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray]:
     """Return row and column of the pixels above a least strength than which none near is stronger."""
     height, width = strength.shape
-    found = [(0, 0) for _ in range(0)]
+    most = height * width // 4 + 1
+    y, x = np.empty(most, dtype=np.int64), np.empty(most, dtype=np.int64)
+    n = 0
     for j in range(1, height - 1):
         row = strength[j]
         for i in range(1, width - 1):
-            if row[i] > least and _is_strongest(strength, j, i):
-                found.append((j, i))
-    y, x = np.empty(len(found), dtype=np.int64), np.empty(len(found), dtype=np.int64)
-    for k in range(len(found)):
-        y[k], x[k] = found[k]
-    return y, x
+            if row[i] > least and n < most and _is_strongest(strength, j, i):
+                y[n], x[n] = j, i
+                n += 1
+    return y[:n].copy(), x[:n].copy()
 
 
 @compiled

@@ -100,7 +100,7 @@ def _clear(wide: Round, nodes: np.ndarray, factor: float) -> np.ndarray:
         return kept
     grid, roughness = NodeGrid(nodes[kept]), wide.rms[kept] / (2.0 * wide.states[kept, 7])
     usual = median_around(grid.spread(roughness), _ROUGH_NODES)[grid.at]
-    return kept[roughness <= factor * usual]
+    return np.asarray(kept[roughness <= factor * usual])
 
 
 def _steps(places: np.ndarray) -> np.ndarray:
