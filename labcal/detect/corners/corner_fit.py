@@ -244,13 +244,13 @@ def judge_all(fits: Sequence[SettledCorner | None], settings: CornerSettings) ->
     patterns, bends = np.array([one.pattern for one in windows]), np.array([one.bend for one in windows])
     limits = settings.limits(JudgementLimits)
     ok, *parts = judgements(pack(windows), patterns, bends, (states, free), limits)
-    judged_ = iter(zip(some, ok.tolist(), *parts, strict=True))
+    centres = np.array([fit.start for fit in some]) + states[:, :2]
+    judged_ = iter(zip(some, ok.tolist(), centres, *parts[:-1], parts[-1].tolist(), strict=True))
     found: list[CornerFit | None] = []
     for fit in fits:
         if fit is None:
             found.append(None)
             continue
-        one, fine, covariance, sums, powers, reach = next(judged_)
-        result = CornerFit(one.centre, covariance, one.roughness, sums, powers, float(reach))
-        found.append(result if fine else None)
+        one, fine, centre, covariance, sums, powers, reach = next(judged_)
+        found.append(CornerFit(centre, covariance, one.roughness, sums, powers, reach) if fine else None)
     return found

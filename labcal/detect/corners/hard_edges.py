@@ -29,7 +29,7 @@ def hard_edge_covariance(fit: SettledCorner, least_blur: float) -> np.ndarray:
     least_blur : float
         The least blur of a fit, px.
     """
-    if fit.state[4:6].min() > _AT_LEAST * least_blur:
+    if min(fit.state.item(4), fit.state.item(5)) > _AT_LEAST * least_blur:
         return np.zeros((2, 2))
     variances, offset = np.zeros(2), fit.window.offset - fit.state[:2, None]
     normals = np.stack([np.cos(fit.state[2:4]), np.sin(fit.state[2:4])], axis=1)
