@@ -82,8 +82,10 @@ def known_light_fits(
         Without those that do not converge.
     """
     slopes, bends = known
-    told = np.isfinite(slopes).all(axis=1) & np.isfinite(bends).all(axis=1)
-    some = [one for one, is_told in zip(wide.values(), told, strict=True) if is_told]
-    found = iter(with_known_light(some, slopes[told], bends[told], settings))
-    chosen = {node: next(found) if is_told else fits[node] for node, is_told in zip(wide, told, strict=True)}
+    determined = np.isfinite(slopes).all(axis=1) & np.isfinite(bends).all(axis=1)
+    some = [one for one, is_found in zip(wide.values(), determined, strict=True) if is_found]
+    found = iter(with_known_light(some, slopes[determined], bends[determined], settings))
+    chosen = {
+        node: next(found) if is_found else fits[node] for node, is_found in zip(wide, determined, strict=True)
+    }
     return {node: fit for node, fit in chosen.items() if fit is not None}

@@ -1,4 +1,4 @@
-"""How much each pixel of a picture is like a saddle point, and the pixels that are most, in compiled code."""
+"""Likeness of the pixels of a picture to saddle points, and the strongest of them, in compiled code."""
 
 import numpy as np
 

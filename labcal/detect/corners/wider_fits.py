@@ -63,19 +63,19 @@ def wider_fits(
     steps = _steps(spread)[grid.at]
     if np.isnan(steps).any():
         steps = np.where(np.isnan(steps), usual(), steps)
-    told = np.isfinite(bends).all(axis=1)
-    limits = places.limits[told]
+    determined = np.isfinite(bends).all(axis=1)
+    limits = places.limits[determined]
     limits[:, 3:] = settings.max_reach_px, settings.wide_reach_squares
-    near = Places(centres[told], steps[told], bends[told], limits)
-    final = {node: fits[node] for node, is_told in zip(nodes, told, strict=True) if not is_told}
-    if not told.any():
+    near = Places(centres[determined], steps[determined], bends[determined], limits)
+    final = {node: fits[node] for node, is_known in zip(nodes, determined, strict=True) if not is_known}
+    if not determined.any():
         return final
-    wide = widen(grey, near, states[told], settings)
-    kept = _clear(wide, grid.nodes[told], settings.clear_roughness_factor)
+    wide = widen(grey, near, states[determined], settings)
+    kept = _clear(wide, grid.nodes[determined], settings.clear_roughness_factor)
     if len(kept) == 0:
         return final
-    inner, some = NodeGrid(grid.nodes[told][kept]), np.array(nodes)[told][kept].tolist()
-    states, centres = wide.states[kept], centres[told][kept] + wide.states[kept, :2]
+    inner, some = NodeGrid(grid.nodes[determined][kept]), np.array(nodes)[determined][kept].tolist()
+    states, centres = wide.states[kept], centres[determined][kept] + wide.states[kept, :2]
     bends = across_edges(edge_bends(inner.spread(centres))[inner.at], states)
     white = np.maximum(states[:, 6] + states[:, 7], _DARKEST)
     slopes = light_slopes(inner, centres, white, (_LIGHT_NODES, _FEWEST))
