@@ -114,6 +114,8 @@ class Chessboard(CornerBoard):
 
     def clear_reach(self, col: int, row: int) -> float:
         """Return how far from a corner's edges the squares around it are plain, in squares; 1 if wholly."""
+        if not self.marks:
+            return 1.0
         around = {(col + i, row + j) for i in (0, 1) for j in (0, 1)}
         return 1.0 if around.isdisjoint(self.marks) else 0.5 - 0.5 * self.mark_share
 

@@ -1,44 +1,27 @@
-"""Sub-pixel fit of one corner of a chessboard, by Gauss-Newton."""
+"""Sub-pixel fits of the corners of a chessboard, by Gauss-Newton."""
 
-from dataclasses import dataclass, replace
-from math import atan2, hypot, sqrt
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.detect.compiled import compiled
 from labcal.detect.corners.corner_judgement import CornerFit, JudgementLimits, judged
-from labcal.detect.corners.corner_kernel import (
-    CHESSBOARD,
-    LIGHT_KNOWN,
-    PARAMETERS,
-    FitLimits,
-    settled,
-)
+from labcal.detect.corners.corner_kernel import CHESSBOARD, LIGHT_KNOWN, PARAMETERS, FitLimits, settled
 from labcal.detect.corners.corner_model import CornerPixels
-from labcal.detect.corners.corner_window import (
-    Surroundings,
-    WindowLimits,
-    narrowest,
-    near_edges,
-    window_arrays,
+from labcal.detect.corners.corner_pixels import pack, unpacked
+from labcal.detect.corners.corner_rounds import (
+    Round,
+    WiderLimits,
+    first_fits,
+    judgements,
+    light_fits,
+    take_known_lights,
+    wide_fits,
 )
-from labcal.detect.corners.first_state import write_first_state
+from labcal.detect.corners.corner_window import Places, Surroundings
+from labcal.detect.corners.first_fit import FirstLimits
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
-
-
-class FirstLimits(NamedTuple):
-    """The settings of corners that a first fit takes, besides those of Gauss-Newton."""
-
-    first_blur_px: float
-    first_tolerance_px: float
-    tolerance_px: float
-    marker_guard_blurs: float
-    min_pixels: int
-    max_blur_squares: float
-    max_move_squares: float
-    frame_margin_px: float
 
 
 @dataclass(frozen=True)
@@ -76,7 +59,12 @@ class SettledCorner:
 
 
 def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings) -> SettledCorner | None:
-    """Fit ``(1 + g d) (m + h X(u1 / s1, u2 / s2))`` to the pixels around a corner, by Gauss-Newton.
+    """Fit one corner, see :func:`fit_corners`."""
+    return fit_corners(grey, Places.of(around), settings)[0]
+
+
+def fit_corners(grey: GreyPicture, places: Places, settings: CornerSettings) -> list[SettledCorner | None]:
+    """Fit ``(1 + g d) (m + h X(u1 / s1, u2 / s2))`` to the pixels around each corner, by Gauss-Newton.
 
     `u1` and `u2` are the distances from the two edges, `s1` and `s2` their blurs, `d` the offset from where
     the fit begins, and ``X`` a chessboard of -1 and 1 blurred by a Gaussian: the expectation of
@@ -89,146 +77,131 @@ def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings
     ----------
     grey : ndarray, shape (h, w)
         The picture.
-    around : Surroundings
+    places : Places
         Where to begin.
     settings : CornerSettings
 
     Returns
     -------
-    SettledCorner or None
+    list of SettledCorner or None
         None where the fit does not converge near the beginning, or on squares of the wrong colours.
     """
-    place = (around.centre, around.axes, around.bend)
+    if len(places.centre) == 0:
+        return []
     limits = settings.limits(FirstLimits), settings.limits(FitLimits)
-    ok, state, (mask, offset, value, gap), rms = _first_fit(grey, place, around.limits, limits)
-    if not ok:
-        return None
-    window = CornerPixels(mask, offset, value, gap, CHESSBOARD, around.bend)
-    return SettledCorner(state, window, around.centre, rms / (2.0 * float(state[7])))
+    fits = first_fits(grey, places, limits)
+    return _settled_corners(fits, range(len(fits.ok)), places, PARAMETERS)
 
 
-@compiled
-def _first_fit(
-    grey: np.ndarray,
-    place: tuple[np.ndarray, np.ndarray, np.ndarray],
-    around: WindowLimits,
-    limits: tuple[FirstLimits, FitLimits],
-) -> tuple[bool, np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], float]:
-    """Return whether a fit converges near its beginning; its state, window and root mean square residual.
-
-    `place` holds the corner's centre, its axes, and the bend of its edges.
-    """
-    centre, axes, bend = place
-    own, newton = limits
-    narrow, state = narrowest(axes), np.zeros(PARAMETERS)
-    blur = own.first_blur_px
-    window = window_arrays(grey, (centre, axes), around, own.marker_guard_blurs * blur / narrow)
-    if len(window[2]) < own.min_pixels:
-        return False, state, window, 0.0
-    _begin(state, window[2], (axes, around.white, blur))
-    pixels = (window[1], window[2], window[3], bend, CHESSBOARD)
-    if settled(state, pixels, (own.first_tolerance_px, PARAMETERS), newton) < 0.0:
-        return False, state, window, 0.0
-    # What is left out around markers follows the blur, now that it is known.
-    blur = max(state[4], state[5])
-    window = window_arrays(grey, (centre, axes), around, own.marker_guard_blurs * blur / narrow)
-    if len(window[2]) < own.min_pixels:
-        return False, state, window, 0.0
-    pixels = (window[1], window[2], window[3], bend, CHESSBOARD)
-    rms = settled(state, pixels, (own.tolerance_px, PARAMETERS), newton)
-    if rms < 0.0:
-        return False, state, window, 0.0
-    square = sqrt(abs(axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0]))
-    x, y, margin = centre[0] + state[0], centre[1] + state[1], own.frame_margin_px
-    ok = (
-        state[7] > 0.0
-        and max(state[4], state[5]) <= own.max_blur_squares * narrow
-        and hypot(state[0], state[1]) <= min(own.max_move_squares * square, around.reach)
-        and min(x, y) >= margin
-        and x <= grey.shape[1] - 1 - margin
-        and y <= grey.shape[0] - 1 - margin
-    )
-    return ok, state, window, rms
-
-
-@compiled
-def _begin(state: np.ndarray, value: np.ndarray, first: tuple[np.ndarray, float, float]) -> None:
-    """Write first parameters; the normals are those of the board's axes, so that the step is positive.
-
-    `first` holds the axes, the colour of the upper right square, and a blur.
-    """
-    axes, white, blur = first
-    ax, ay, bx, by = axes[0, 0], axes[1, 0], axes[0, 1], axes[1, 1]
-    # The edge along y separates left from right: its normal points to the board's right; likewise the other.
-    right = 1.0 if bx * ay - by * ax > 0.0 else -1.0
-    up = white if ay * bx - ax * by > 0.0 else -white
-    write_first_state(state, (atan2(right * bx, -right * by), atan2(-up * ax, up * ay)), value, blur)
-
-
-def widen(
-    grey: GreyPicture, around: Surroundings, first: np.ndarray, settings: CornerSettings
-) -> SettledCorner | None:
-    """Fit the same to other pixels, those along the edges, from the state of a first fit on.
+def widen(grey: GreyPicture, places: Places, first: np.ndarray, settings: CornerSettings) -> Round:
+    """Fit the same to other pixels, those along the edges, from the states of first fits on.
 
     Parameters
     ----------
     grey : ndarray, shape (h, w)
         The picture.
-    around : Surroundings
-        With the corner of the first fit as its centre.
-    first : ndarray, shape (PARAMETERS,)
-        The first fit's state.
+    places : Places
+        With the corners of the first fits as their centres.
+    first : ndarray, shape (n, PARAMETERS)
+        The first fits' states.
     settings : CornerSettings
 
     Returns
     -------
-    SettledCorner or None
-        None where the fit leaves the first one by more than either may be off.
+    Round
+        A fit that leaves the first one by more than either may be off is none.
     """
-    state = first.copy()
-    state[:2] = 0.0
-    blur, narrow = max(float(first[4]), float(first[5])), narrowest(around.axes)
-    guard = settings.marker_guard_blurs * blur / narrow
-    mask, offset, value, gap = window_arrays(grey, (around.centre, around.axes), around.limits, guard)
-    mask, offset, value = near_edges((mask, offset, value), state, settings.edge_blurs)
-    window = CornerPixels(mask, offset, value, gap, CHESSBOARD, around.bend)
-    rms = settle(state, window, settings.first_tolerance_px, settings)
-    if rms < 0.0:
-        return None
-    x, y, _, _, blur_1, blur_2, _, half, _, _ = state.tolist()
-    if half <= 0 or max(blur_1, blur_2) > settings.max_blur_squares * narrow:
-        return None
-    if hypot(x, y) > settings.max_refit_blurs * blur:
-        return None
-    return SettledCorner(state, window, around.centre, rms / (2.0 * half))
+    return wide_fits(grey, places, first, (settings.limits(WiderLimits), settings.limits(FitLimits)))
 
 
-def with_known_light(
-    wide: SettledCorner, slope: np.ndarray, bend: np.ndarray, settings: CornerSettings
-) -> SettledCorner | None:
-    """Return a wide fit with the slope of the light and the bend of its edges as they are known.
+def widened_with_light(
+    wide: Round, which: np.ndarray, places: Places, slopes: np.ndarray, settings: CornerSettings
+) -> list[SettledCorner | None]:
+    """Return some of the fits of a round, by number, with the slope of the light as it is known.
 
     Parameters
     ----------
-    wide : SettledCorner
-    slope : ndarray, shape (2,)
-        At the corner.
-    bend : ndarray, shape (2,)
+    wide : Round
+        Of :func:`widen`.
+    which : ndarray of int, shape (n,)
+    places : Places
+        Of these corners, with the bends of their edges as they are known.
+    slopes : ndarray, shape (n, 2)
+        At the corners.
     settings : CornerSettings
 
     Returns
     -------
-    SettledCorner or None
+    list of SettledCorner or None
         None where it does not converge.
     """
-    state = wide.state.copy()
-    # The model's light is 1 where the fit began: the slope at the corner is over the level there.
-    state[8:] = slope / (1.0 - slope @ state[:2])
-    window = replace(wide.window, bend=bend)
-    rms = settle(state, window, settings.tolerance_px, settings, LIGHT_KNOWN)
-    if rms < 0.0 or state[7] <= 0:
-        return None
-    return SettledCorner(state, window, wide.start, rms / (2.0 * float(state[7])), LIGHT_KNOWN)
+    states, bends = wide.states[which], places.bend
+    lights = _lights(states, slopes)
+    take_known_lights(states, wide.normals[which], lights)
+    states[:, LIGHT_KNOWN:] = lights
+    limits = settings.limits(WiderLimits), settings.limits(FitLimits)
+    patterns = np.full(len(which), CHESSBOARD)
+    rms = light_fits((wide.pixels, which, patterns), bends, states, limits)
+    fits = Round((rms >= 0.0) & (states[:, 7] > 0.0), states, rms, wide.pixels, wide.normals)
+    return _settled_corners(fits, which.tolist(), places, LIGHT_KNOWN)
+
+
+def with_known_light(
+    wide: Sequence[SettledCorner], slopes: np.ndarray, bends: np.ndarray, settings: CornerSettings
+) -> list[SettledCorner | None]:
+    """Return wide fits with the slope of the light and the bend of their edges as they are known.
+
+    Parameters
+    ----------
+    wide : sequence of SettledCorner
+    slopes : ndarray, shape (n, 2)
+        At the corners.
+    bends : ndarray, shape (n, 2)
+    settings : CornerSettings
+
+    Returns
+    -------
+    list of SettledCorner or None
+        None where it does not converge.
+    """
+    if not wide:
+        return []
+    windows = [one.window for one in wide]
+    states = np.array([one.state for one in wide])
+    states[:, LIGHT_KNOWN:] = _lights(states, slopes)
+    patterns = np.array([window.pattern for window in windows])
+    limits = settings.limits(WiderLimits), settings.limits(FitLimits)
+    rms = light_fits((pack(windows), np.arange(len(wide)), patterns), bends, states, limits).tolist()
+    found: list[SettledCorner | None] = []
+    for one, state, bend, left in zip(wide, states, bends, rms, strict=True):
+        step = 2.0 * float(state[7])
+        if left < 0.0 or step <= 0.0:
+            found.append(None)
+            continue
+        old = one.window
+        window = CornerPixels(old.mask, old.offset, old.value, old.gap, old.pattern, bend)
+        found.append(SettledCorner(state, window, one.start, left / step, LIGHT_KNOWN))
+    return found
+
+
+def _lights(states: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Return the slopes of the light as states have them: their light is 1 where the fit began."""
+    return np.asarray(slopes / (1.0 - (slopes * states[:, :2]).sum(axis=1))[:, None])
+
+
+def _settled_corners(
+    fits: Round, which: Sequence[int], places: Places, free: int
+) -> list[SettledCorner | None]:
+    """Return the fits of a round, to pixels of the corners by these numbers; None for those that are none."""
+    roughness = (fits.rms / (2.0 * np.where(fits.ok, fits.states[:, 7], 1.0))).tolist()
+    found: list[SettledCorner | None] = []
+    for k, (fine, window) in enumerate(zip(fits.ok.tolist(), unpacked(fits.pixels, which), strict=True)):
+        if fine:
+            pixel = CornerPixels(*window, CHESSBOARD, places.bend[k])
+            found.append(SettledCorner(fits.states[k], pixel, places.centre[k], roughness[k], free))
+        else:
+            found.append(None)
+    return found
 
 
 def is_cut(place: np.ndarray, grey: GreyPicture, margin: float) -> bool:
@@ -259,3 +232,25 @@ def judge(fit: SettledCorner, settings: CornerSettings) -> CornerFit | None:
         fit.state, fit.window.arrays, fit.window.mask, fit.free, settings.limits(JudgementLimits)
     )
     return CornerFit(fit.centre, covariance, fit.roughness, sums, powers, reach) if ok else None
+
+
+def judge_all(fits: Sequence[SettledCorner | None], settings: CornerSettings) -> list[CornerFit | None]:
+    """Return fits with their uncertainties, as :func:`judge` does each; None for none."""
+    some = [fit for fit in fits if fit is not None]
+    if not some:
+        return [None] * len(fits)
+    windows = [fit.window for fit in some]
+    states, free = np.array([fit.state for fit in some]), np.array([fit.free for fit in some])
+    patterns, bends = np.array([one.pattern for one in windows]), np.array([one.bend for one in windows])
+    limits = settings.limits(JudgementLimits)
+    ok, *parts = judgements(pack(windows), patterns, bends, (states, free), limits)
+    centres = np.array([fit.start for fit in some]) + states[:, :2]
+    judged_ = iter(zip(some, ok.tolist(), centres, *parts[:-1], parts[-1].tolist(), strict=True))
+    found: list[CornerFit | None] = []
+    for fit in fits:
+        if fit is None:
+            found.append(None)
+            continue
+        one, fine, centre, covariance, sums, powers, reach = next(judged_)
+        found.append(CornerFit(centre, covariance, one.roughness, sums, powers, reach) if fine else None)
+    return found

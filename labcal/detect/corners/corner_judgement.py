@@ -1,7 +1,7 @@
 """Uncertainty of the fit of a corner, from its residuals; in compiled code."""
 
 from dataclasses import dataclass
-from math import floor, hypot
+from math import floor, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -9,8 +9,9 @@ import numpy as np
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 from labcal.detect.corners.corner_kernel import PARAMETERS, Pixels, fill_jacobian
-from labcal.detect.corners.edge_waves import wave_powers
+from labcal.detect.corners.edge_waves import RESIDUAL, ROWS, wave_powers
 from labcal.detect.edges.residuals import LAGS, REACH, SUMS
+from labcal.detect.row_products import add_own_products, add_products, filled_up
 
 _SINGULAR = 1e-13
 """A pivot that falls to so much of its diagonal entry."""
@@ -70,32 +71,54 @@ def judged(
     limits : JudgementLimits
     """
     n = len(pixels[1])
-    rows = (np.empty(n), np.empty((PARAMETERS, n)), np.empty(n), np.empty(n))
-    fill_jacobian(state, pixels, rows)
-    residual, jacobian, board, off_edges = rows[0], rows[1][:free], rows[2], rows[3]
+    table = np.zeros((ROWS, filled_up(n)))
+    residual, board, off_edges = table[RESIDUAL], np.empty(n), np.empty(n)
+    fill_jacobian(state, pixels, (residual, table[:PARAMETERS], board, off_edges))
+    table[free:RESIDUAL] = 0.0
     covariance, powers = np.zeros((2, 2)), np.zeros((1, 2))
     sums = np.zeros((LAGS, SUMS))
-    noise, levels = _without_tone(residual, board, limits.tone_levels)
+    noise, levels = _without_tone(residual[:n], board, limits.tone_levels)
     freedom = n - PARAMETERS - levels
-    factor = jacobian @ jacobian.T
+    plain, fits = np.zeros((ROWS, ROWS)), np.zeros((ROWS, ROWS))
+    add_own_products(table, table.shape[1], plain)
+    factor = plain.copy()
     if freedom < PARAMETERS or not factorise(factor, free, _SINGULAR):
         return False, covariance, sums, powers, 0.0
-    gain = np.empty((2, n))
-    for axis in range(2):
-        weight = np.zeros(free)
-        weight[axis] = 1.0
-        solve(factor, weight)
-        gain[axis] = weight @ jacobian
     variance = _variance(noise, board, limits.min_variance_share) * (n / freedom)
-    for i in range(2):
-        for j in range(2):
-            covariance[i, j] = (gain[i] * variance * gain[j]).sum()
+    weighted = np.zeros(table.shape)
+    for p in range(ROWS):
+        row, out = table[p], weighted[p]
+        for k in range(n):
+            out[k] = row[k] * variance[k]
+    add_products(table, weighted, (0, table.shape[1]), fits)
+    _write_covariance(factor, fits, free, covariance)
+    # Variance of Student's distribution: that of the noise is estimated from the corner's own pixels.
+    covariance *= freedom / (freedom - 2.0)
     distance = np.empty(n)
     for k in range(n):
-        distance[k] = hypot(pixels[0][0, k] - state[0], pixels[0][1, k] - state[1])
-    powers = wave_powers((residual, jacobian, factor), distance, gain, variance)
-    _add_products(residual, off_edges, jacobian, mask, limits.flat_blurs, sums)
+        dx, dy = pixels[0][0, k] - state[0], pixels[0][1, k] - state[1]
+        distance[k] = sqrt(dx * dx + dy * dy)
+    powers = wave_powers((table, weighted), (plain, factor, fits), free, distance, variance)
+    _add_products(table, off_edges, mask, limits.flat_blurs, sums)
     return True, covariance, sums, powers, distance.max()
+
+
+@compiled
+def _write_covariance(factor: np.ndarray, fits: np.ndarray, free: int, covariance: np.ndarray) -> None:
+    """Write the covariance of the corner's place, ``M J v J' M'``.
+
+    M holds the first two rows of the inverse normal matrix, `fits` is ``J v J'`` for derivatives J and the
+    pixels' variances v.
+    """
+    inverse = np.zeros((2, free))
+    for axis in range(2):
+        inverse[axis, axis] = 1.0
+        solve(factor, inverse[axis])
+    for i in range(2):
+        for j in range(2):
+            for p in range(free):
+                for q in range(free):
+                    covariance[i, j] += inverse[i, p] * inverse[j, q] * fits[p, q]
 
 
 @compiled
@@ -129,36 +152,36 @@ def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
 
 @compiled
 def _add_products(
-    residual: np.ndarray,
-    off_edges: np.ndarray,
-    jacobian: np.ndarray,
-    mask: np.ndarray,
-    flat_blurs: float,
-    sums: np.ndarray,
+    table: np.ndarray, off_edges: np.ndarray, mask: np.ndarray, flat_blurs: float, sums: np.ndarray
 ) -> None:
     """Add products of pixels at all distances to sums; the edges themselves are left out of the residuals."""
     height, width = mask.shape
-    number = np.full((height + REACH, width + 2 * REACH), -1)
+    n = len(off_edges)
+    number = np.full((height + REACH, width + 2 * REACH), n)
+    places = np.empty((2, n), dtype=np.int64)
     k = 0
     for j in range(height):
         for i in range(width):
             if mask[j, i]:
                 number[j, i + REACH] = k
+                places[0, k], places[1, k] = j, i + REACH
                 k += 1
-    for j in range(height):
-        for i in range(REACH, width + REACH):
-            here = number[j, i]
-            if here < 0:
-                continue
-            flat = off_edges[here] > flat_blurs
-            for lag in range(LAGS):
-                down = lag // (2 * REACH + 1)
-                there = number[j + down, i + lag - down * (2 * REACH + 1) - REACH]
-                if there < 0:
-                    continue
-                sums[lag, 2] += (
-                    jacobian[0, here] * jacobian[0, there] + jacobian[1, here] * jacobian[1, there]
-                )
-                if flat and off_edges[there] > flat_blurs:
-                    sums[lag, 0] += 1.0
-                    sums[lag, 1] += residual[here] * residual[there]
+    # Pixel n is none: all of its values are 0.
+    values = np.zeros((n + 1, 4))
+    for k in range(n):
+        flat = 1.0 if off_edges[k] > flat_blurs else 0.0
+        values[k, 0], values[k, 1] = flat, flat * table[RESIDUAL, k]
+        values[k, 2], values[k, 3] = table[0, k], table[1, k]
+    for lag in range(LAGS):
+        down = lag // (2 * REACH + 1)
+        beside = lag - down * (2 * REACH + 1) - REACH
+        pairs = energy = by_x = by_y = 0.0
+        for k in range(n):
+            other = number[places[0, k] + down, places[1, k] + beside]
+            pairs += values[k, 0] * values[other, 0]
+            energy += values[k, 1] * values[other, 1]
+            by_x += values[k, 2] * values[other, 2]
+            by_y += values[k, 3] * values[other, 3]
+        sums[lag, 0] += pairs
+        sums[lag, 1] += energy
+        sums[lag, 2] += by_x + by_y

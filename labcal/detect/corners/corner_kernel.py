@@ -1,12 +1,16 @@
 """The blurred pattern of a corner and its fit, in compiled code; what they mean stands at `corner_model`."""
 
-from math import asin, cos, erf, exp, hypot, pi, sin, sqrt
+from math import cos, exp, hypot, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from labcal.detect.cholesky import factorise, solve
-from labcal.detect.compiled import compiled
+from labcal.detect.compiled import compiled, inlined
+from labcal.detect.corners.corner_rows import write_levels, write_rows
+from labcal.detect.corners.edge_profile import edge_profile
+from labcal.detect.corners.quadrature import quadrature
+from labcal.detect.row_products import add_own_products, filled_up
 
 PARAMETERS = 10
 """Corner 2, angles of the edges' normals 2, blurs 2, mean, half step, slope of the light 2."""
@@ -17,17 +21,14 @@ CHESSBOARD, WEDGE = 0, 1
 """Patterns: a chessboard of -1 and 1; a black wedge on white."""
 _MOST_OBLIQUE = 0.999
 """Cosine of the angle between the edges."""
-_NODES_6, _WEIGHTS_6 = (np.ascontiguousarray(part) for part in np.polynomial.legendre.leggauss(6))
-_NODES_12, _WEIGHTS_12 = (np.ascontiguousarray(part) for part in np.polynomial.legendre.leggauss(12))
-_NODES_20, _WEIGHTS_20 = (np.ascontiguousarray(part) for part in np.polynomial.legendre.leggauss(20))
-_FEW, _MORE = 0.75, 0.95
-"""Correlations up to which 6 and 12 nodes leave errors below 1e-8."""
 _NOTHING = 16.0
 """exp(-16) of the board's step is nothing."""
 _STRAIGHT = 6.0
 """So many blurs from an edge nothing is left of its profile."""
 _FAR = 9.0
 """The darkness of an edge so many blurs away is nothing."""
+ROWS = 12
+"""Of the table of derivatives and, below them, residuals: filled up to whole tiles of products."""
 _RIDGE = 1e-9
 _SINGULAR = 1e-12
 
@@ -46,29 +47,9 @@ Pixels = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]
 :class:`labcal.detect.corners.corner_model.CornerPixels`."""
 
 
-@compiled
-def _quadrature(correlation: float) -> np.ndarray:
-    """Return sine, squared inverse cosine and weight of the nodes from correlation 0 on, shape (3, k).
-
-    By Gauss and Legendre, as in Drezner and Wesolowsky 1990 for the normal distribution.
-    """
-    nodes, weights = _NODES_20, _WEIGHTS_20
-    if abs(correlation) < _FEW:
-        nodes, weights = _NODES_6, _WEIGHTS_6
-    elif abs(correlation) < _MORE:
-        nodes, weights = _NODES_12, _WEIGHTS_12
-    half = 0.5 * asin(correlation)
-    rule = np.empty((3, len(nodes)))
-    for k in range(len(nodes)):
-        turn = half * (1.0 + nodes[k])
-        rule[0, k], rule[1, k] = sin(turn), 1.0 / cos(turn) ** 2
-        rule[2, k] = 2.0 / pi * half * weights[k]
-    return rule
-
-
-@compiled
-def _board_at(a: float, b: float, correlation: float, rule: np.ndarray, out: np.ndarray) -> None:
-    """Write a blurred chessboard's value, and derivatives by a, b and the correlation, at distances in blurs.
+@inlined
+def _board_at(a: float, b: float, correlation: float, rule: np.ndarray) -> tuple[float, float, float, float]:
+    """Return a blurred chessboard's value at distances in blurs, and derivatives by a, b and the correlation.
 
     It is the expectation of ``sign(a + z1) sign(b + z2)`` for standard normal z1, z2. By Plackett's identity
     (1954, Biometrika 41) its derivative by the correlation is four times the density at (a, b), which is
@@ -77,58 +58,62 @@ def _board_at(a: float, b: float, correlation: float, rule: np.ndarray, out: np.
     squares, product = 0.5 * (a * a + b * b), a * b
     if (1.0 - abs(correlation)) * squares > _NOTHING:
         # Beside the corner: a straight edge, and hardly anything of the other one.
-        out[:] = 0.0
-        up_a, up_b = (1.0 if a > 0.0 else -1.0), (1.0 if b > 0.0 else -1.0)
-        out[0] = up_a * up_b
+        value, slope_a, slope_b = (1.0 if product > 0.0 else -1.0), 0.0, 0.0
         if abs(a) < _STRAIGHT:
-            out[0] *= erf(abs(a) / sqrt(2.0))
-            out[1] = sqrt(2.0 / pi) * exp(-0.5 * a * a) * up_b
+            profile, slope = edge_profile(a)
+            up = 1.0 if b > 0.0 else -1.0
+            value, slope_a = profile * up, slope * up
         if abs(b) < _STRAIGHT:
-            out[0] *= erf(abs(b) / sqrt(2.0))
-            out[2] = sqrt(2.0 / pi) * exp(-0.5 * b * b) * up_a
-        return
-    other2 = 1.0 - correlation * correlation
-    other = sqrt(other2)
-    value = erf(a / sqrt(2.0)) * erf(b / sqrt(2.0))
+            profile, slope = edge_profile(b)
+            value, slope_b = value * abs(profile), (slope if a > 0.0 else -slope)
+        return value, slope_a, slope_b, 0.0
+    per_other = 1.0 / sqrt(1.0 - correlation * correlation)
+    profile_a, slope_a = edge_profile(a)
+    profile_b, slope_b = edge_profile(b)
+    value = profile_a * profile_b
     for k in range(rule.shape[1]):
         value += rule[2, k] * exp(-(squares - product * rule[0, k]) * rule[1, k])
-    out[0] = value
-    out[1] = sqrt(2.0 / pi) * exp(-0.5 * a * a) * erf((b - correlation * a) / (other * sqrt(2.0)))
-    out[2] = sqrt(2.0 / pi) * exp(-0.5 * b * b) * erf((a - correlation * b) / (other * sqrt(2.0)))
-    out[3] = 2.0 / (pi * other) * exp(-(squares - correlation * product) / other2)
+    beside_b, density = edge_profile((b - correlation * a) * per_other)
+    beside_a, _ = edge_profile((a - correlation * b) * per_other)
+    return value, slope_a * beside_b, slope_b * beside_a, slope_a * density * per_other
 
 
-@compiled
-def _pattern_at(
-    u: np.ndarray, blend: tuple[float, np.ndarray], gap: np.ndarray, pattern: int, out: np.ndarray
-) -> None:
-    """Write the value and derivatives of a pattern at distances u (2,) from its edges, in blurs.
+@inlined
+def _darkness(a: float, b: float, gap_a: float, gap_b: float) -> float:
+    """Return how much markers, so far away from the edges, darken a chessboard there; distances in blurs."""
+    profile_a, _ = edge_profile(abs(a) - gap_a)
+    profile_b, _ = edge_profile(abs(b) - gap_b)
+    return 0.5 * (1.0 + profile_a) * (1.0 + profile_b)
 
-    `blend` holds the correlation and its quadrature.
-    """
-    a, b = u[0], u[1]
-    _board_at(a, b, blend[0], blend[1], out)
-    if pattern == WEDGE:
-        below_a, below_b = 0.5 * (1.0 + erf(a / sqrt(2.0))), 0.5 * (1.0 + erf(b / sqrt(2.0)))
-        root = sqrt(2.0 * pi)
-        out[0] = 1.5 - 0.5 * out[0] - below_a - below_b
-        out[1] = -0.5 * out[1] - exp(-0.5 * a * a) / root
-        out[2] = -0.5 * out[2] - exp(-0.5 * b * b) / root
-        out[3] = -0.5 * out[3]
-    elif a * b > 0.0 and abs(a) > gap[0] - _FAR and abs(b) > gap[1] - _FAR:
-        dark_a = 0.5 * (1.0 + erf((abs(a) - gap[0]) / sqrt(2.0)))
-        dark_b = 0.5 * (1.0 + erf((abs(b) - gap[1]) / sqrt(2.0)))
-        out[0] -= 2.0 * dark_a * dark_b
+
+@inlined
+def _wedge_at(
+    a: float, b: float, board: tuple[float, float, float, float]
+) -> tuple[float, float, float, float]:
+    """Return the same as :func:`_board_at` of a wedge, from that of the chessboard with the same edges."""
+    profile_a, slope_a = edge_profile(a)
+    profile_b, slope_b = edge_profile(b)
+    value, by_a, by_b, by_correlation = board
+    return (
+        0.5 - 0.5 * (value + profile_a + profile_b),
+        -0.5 * (by_a + slope_a),
+        -0.5 * (by_b + slope_b),
+        -0.5 * by_correlation,
+    )
 
 
 @compiled
 def pattern_values(u: np.ndarray, correlation: float, gap: np.ndarray, pattern: int) -> np.ndarray:
     """Return a pattern at distances u (2, n) from its edges, with markers `gap` (2,) away; all in blurs."""
-    values, at = np.empty(u.shape[1]), np.empty(4)
-    blend = (correlation, _quadrature(correlation))
+    values = np.empty(u.shape[1])
+    rule = quadrature(correlation)
     for k in range(u.shape[1]):
-        _pattern_at(u[:, k], blend, gap, pattern, at)
-        values[k] = at[0]
+        a, b = u[0, k], u[1, k]
+        at = _board_at(a, b, correlation, rule)
+        if pattern == WEDGE:
+            values[k] = _wedge_at(a, b, at)[0]
+        else:
+            values[k] = at[0] - (_darkness(a, b, gap[0], gap[1]) if a * b > 0.0 else 0.0)
     return values
 
 
@@ -150,41 +135,32 @@ def fill_jacobian(
     offset, value, gap, bend, pattern = pixels
     residual, jacobian, board, off_edges = rows
     correlation = min(max(cos(state[2] - state[3]), -_MOST_OBLIQUE), _MOST_OBLIQUE)
-    blend = (correlation, _quadrature(correlation))
-    turn_size = sin(state[2] - state[3])
+    rule = quadrature(correlation)
     c0, s0, c1, s1 = cos(state[2]), sin(state[2]), cos(state[3]), sin(state[3])
     blur0, blur1 = state[4], state[5]
-    mean, step = state[6], state[7]
     # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves each edge.
     moved0, moved1 = blur0 * (c0 * state[8] + s0 * state[9]), blur1 * (c1 * state[8] + s1 * state[9])
-    turned0 = blur0**2 * (c0 * state[9] - s0 * state[8])
-    turned1 = blur1**2 * (c1 * state[9] - s1 * state[8])
-    u, gaps, at = np.empty(2), np.empty(2), np.empty(4)
-    gaps[0], gaps[1] = gap[0] / blur0, gap[1] / blur1
-    for k in range(len(value)):
-        x, y = offset[0, k], offset[1, k]
-        dx, dy = x - state[0], y - state[1]
-        across0, across1 = c0 * dy - s0 * dx, c1 * dy - s1 * dx
-        u[0] = (c0 * dx + s0 * dy - 0.5 * bend[0] * across0 * across0) / blur0 + moved0
-        u[1] = (c1 * dx + s1 * dy - 0.5 * bend[1] * across1 * across1) / blur1 + moved1
-        _pattern_at(u, blend, gaps, pattern, at)
-        light = 1.0 + state[8] * x + state[9] * y
-        plain = mean + step * at[0]
-        first, second = light * step / blur0 * at[1], light * step / blur1 * at[2]
-        turn = light * step * at[3] * turn_size
-        jacobian[0, k] = -first * c0 - second * c1
-        jacobian[1, k] = -first * s0 - second * s1
-        jacobian[2, k] = first * (across0 + turned0) - turn
-        jacobian[3, k] = second * (across1 + turned1) + turn
-        jacobian[4, k] = first * (2.0 * moved0 - u[0])
-        jacobian[5, k] = second * (2.0 * moved1 - u[1])
-        jacobian[6, k] = light
-        jacobian[7, k] = light * at[0]
-        jacobian[8, k] = x * plain + first * c0 * blur0**2 + second * c1 * blur1**2
-        jacobian[9, k] = y * plain + first * s0 * blur0**2 + second * s1 * blur1**2
-        residual[k] = value[k] - light * plain
-        board[k] = at[0]
-        off_edges[k] = min(abs(u[0]), abs(u[1]))
+    gap0, gap1 = gap[0] / blur0, gap[1] / blur1
+    from0, from1 = gap0 - _FAR, gap1 - _FAR
+    per0, per1, half0, half1 = 1.0 / blur0, 1.0 / blur1, 0.5 * bend[0], 0.5 * bend[1]
+    x, y, x0, y0, n = offset[0], offset[1], state[0], state[1], len(value)
+    first, second, turn = np.empty(n), np.empty(n), np.empty(n)
+    across0, across1, along0, along1 = jacobian[2], jacobian[3], jacobian[4], jacobian[5]
+    for k in range(n):
+        dx, dy = x[k] - x0, y[k] - y0
+        far0, far1 = c0 * dy - s0 * dx, c1 * dy - s1 * dx
+        a = (c0 * dx + s0 * dy - half0 * far0 * far0) * per0 + moved0
+        b = (c1 * dx + s1 * dy - half1 * far1 * far1) * per1 + moved1
+        at, by_a, by_b, by_correlation = _board_at(a, b, correlation, rule)
+        if pattern == WEDGE:
+            at, by_a, by_b, by_correlation = _wedge_at(a, b, (at, by_a, by_b, by_correlation))
+        elif a * b > 0.0 and abs(a) > from0 and abs(b) > from1:
+            at -= _darkness(a, b, gap0, gap1)
+        first[k], second[k], turn[k], board[k] = by_a, by_b, by_correlation, at
+        across0[k], across1[k], along0[k], along1[k] = far0, far1, a, b
+        off_edges[k] = min(abs(a), abs(b))
+    write_levels(state, offset, (value, board), (residual, jacobian[6], jacobian[7]))
+    write_rows(state, (offset, board), (first, second, turn), jacobian)
 
 
 @compiled
@@ -194,28 +170,42 @@ def settled(
     ends: tuple[float, int],
     limits: FitLimits,
 ) -> float:
+    """Iterate a state as :func:`settled_with` does, for callers that need no normal matrix."""
+    return settled_with(state, pixels, ends, limits, np.empty((ROWS, ROWS)))
+
+
+@compiled
+def settled_with(
+    state: np.ndarray,
+    pixels: Pixels,
+    ends: tuple[float, int],
+    limits: FitLimits,
+    normal: np.ndarray,
+) -> float:
     """Iterate a state, in place, to the least squares (Gauss-Newton); return the residuals' root mean square.
 
     It is as the last step leaves it by the linear model, and negative if the state runs away.
 
-    `ends` is the step at which it ends, px, and the number of free parameters, from the first one on.
+    `ends` is the step at which it ends, px, and the number of free parameters, from the first one on. To
+    `normal` (ROWS, ROWS) the lower triangle of the normal matrix of the last step is written.
     """
     tolerance, free = ends
     n = len(pixels[1])
-    rows = (np.empty(n), np.empty((PARAMETERS, n)), np.empty(n), np.empty(n))
-    residual, jacobian = rows[0], rows[1]
-    change, gradient = np.empty(PARAMETERS), np.empty(PARAMETERS)
+    table = np.zeros((ROWS, filled_up(n)))
+    residual = table[PARAMETERS]
+    rows = (residual, table[:PARAMETERS], np.empty(n), np.empty(n))
+    change, gradient = np.zeros(PARAMETERS), np.empty(PARAMETERS)
     for _ in range(limits.max_iterations):
         fill_jacobian(state, pixels, rows)
-        normal = jacobian @ jacobian.T
-        change[free:] = 0.0
+        normal[:] = 0.0
+        add_own_products(table, table.shape[1], normal)
         for i in range(free):
-            change[i] = (jacobian[i] * residual).sum()
+            change[i] = gradient[i] = normal[PARAMETERS, i]
             normal[i, i] *= 1.0 + _RIDGE
-        gradient[:] = change
-        if not factorise(normal, free, _SINGULAR):
+        factor = normal.copy()
+        if not factorise(factor, free, _SINGULAR):
             return -1.0
-        solve(normal, change[:free])
+        solve(factor, change[:free])
         if not np.isfinite(change).all():
             return -1.0
         far = max(hypot(change[0], change[1]) / limits.max_step_px, 1.0)
@@ -226,6 +216,29 @@ def settled(
                 moved = max(min(max(moved, 0.5 * state[i]), 2.0 * state[i]), limits.min_blur_px)
             state[i] = moved
         if max(abs(change[0]), abs(change[1])) < tolerance:
-            squares = (residual * residual).sum() - (change * gradient).sum()
+            squares = normal[PARAMETERS, PARAMETERS]
+            for i in range(free):
+                squares -= change[i] * gradient[i]
             return sqrt(max(squares, 0.0) / n)
     return -1.0
+
+
+@compiled
+def take_known_light(state: np.ndarray, normal: np.ndarray, slope: np.ndarray) -> None:
+    """Set a state at its least squares, in place, to those with another slope of the light.
+
+    By the linear model, whose normal matrix is that of :func:`settled_with`; a fit goes on from there.
+    """
+    factor = normal.copy()
+    if not factorise(factor, LIGHT_KNOWN, _SINGULAR):
+        return
+    x, y = slope[0] - state[LIGHT_KNOWN], slope[1] - state[LIGHT_KNOWN + 1]
+    change = np.empty(LIGHT_KNOWN)
+    for i in range(LIGHT_KNOWN):
+        change[i] = -normal[LIGHT_KNOWN, i] * x - normal[LIGHT_KNOWN + 1, i] * y
+    solve(factor, change)
+    for i in range(LIGHT_KNOWN):
+        moved = state[i] + change[i]
+        if _FIRST_BLUR <= i <= _LAST_BLUR:
+            moved = min(max(moved, 0.5 * state[i]), 2.0 * state[i])
+        state[i] = moved

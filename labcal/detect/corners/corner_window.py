@@ -48,6 +48,30 @@ class Surroundings:
         return WindowLimits(float(self.white), self.gap, self.clear, self.reach, self.share)
 
 
+class Places(NamedTuple):
+    """Surroundings of n corners.
+
+    Attributes
+    ----------
+    centre : ndarray, shape (n, 2)
+    axes : ndarray, shape (n, 2, 2)
+    bend : ndarray, shape (n, 2)
+    limits : ndarray, shape (n, 5)
+        The values of :class:`WindowLimits`.
+    """
+
+    centre: np.ndarray
+    axes: np.ndarray
+    bend: np.ndarray
+    limits: np.ndarray
+
+    @classmethod
+    def of(cls, around: Surroundings) -> "Places":
+        """Return the surroundings of one corner."""
+        one = (around.centre, around.axes, around.bend, around.limits)
+        return cls(*(np.array([part], dtype=np.float64) for part in one))
+
+
 class WindowLimits(NamedTuple):
     """The parts of a corner's surroundings that say which pixels are its own."""
 
@@ -92,19 +116,24 @@ def window_arrays(
     mask = np.zeros((high, wide), dtype=np.bool_)
     offset, value = np.empty((2, high * wide)), np.empty(high * wide)
     det = axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0]
+    along_x, along_y, up_x, up_y = axes[1, 1] / det, -axes[0, 1] / det, -axes[1, 0] / det, axes[0, 0] / det
     # Heights of the parallelogram that a square is in the picture.
     gap = np.empty(2)
     gap[0] = limits.gap * abs(det) / hypot(axes[0, 1], axes[1, 1])
     gap[1] = limits.gap * abs(det) / hypot(axes[0, 0], axes[1, 0])
-    n = 0
+    n, far = 0, reach * reach
     for j in range(high):
         for i in range(wide):
             dx, dy = left + i - x, top + j - y
-            along = (axes[1, 1] * dx - axes[0, 1] * dy) / det
-            up = (axes[0, 0] * dy - axes[1, 0] * dx) / det
+            along, up = along_x * dx + along_y * dy, up_x * dx + up_y * dy
             nearest, farthest = min(abs(along), abs(up)), max(abs(along), abs(up))
             marked = along * up * limits.white > 0.0 and nearest > limits.gap - guard
-            if marked or nearest > limits.clear - guard or farthest >= limits.share or hypot(dx, dy) >= reach:
+            if (
+                marked
+                or nearest > limits.clear - guard
+                or farthest >= limits.share
+                or dx * dx + dy * dy >= far
+            ):
                 continue
             mask[j, i] = True
             offset[0, n], offset[1, n], value[n] = dx, dy, grey[top + j, left + i]

@@ -6,12 +6,13 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from labcal.arrays import Pixels
-from labcal.detect.corners.corner_fit import SettledCorner, fit_corner
-from labcal.detect.corners.corner_window import Surroundings
+from labcal.detect.corners.corner_fit import SettledCorner, fit_corners
+from labcal.detect.corners.corner_window import Places, WindowLimits
 from labcal.detect.corners.wider_fits import wider_fits
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.prediction import Prediction, Predictor
+from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -19,6 +20,8 @@ from labcal.geometry.projective_map import projective_map
 from labcal.targets.square_board import SquareBoard
 
 _FEWEST = 4  # corners, not on a line: what a homography takes
+_ALL_NEAR = 24
+"""Most neighbours by which a corner is predicted: within two nodes to either side."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,11 @@ class Corners:
 
 def spans_a_plane(index: Int[np.ndarray, "n 2"]) -> bool:
     """Tell whether corners, by (col, row), are enough for a homography, and not all on one line."""
-    return len(index) >= _FEWEST and int(np.linalg.matrix_rank(index - index[0])) > 1
+    if len(index) < _FEWEST:
+        return False
+    away = index - index[0]
+    farthest = away[np.abs(away).sum(axis=1).argmax()]
+    return bool((away[:, 0] * farthest[1] != away[:, 1] * farthest[0]).any())
 
 
 @dataclass(frozen=True)
@@ -74,8 +81,8 @@ class Standard:
         """Return the medians."""
         sound = [fit for fit in fits if fit is not None]
         return cls(
-            float(np.median([fit.roughness for fit in sound] or [0.0])),
-            float(np.median([fit.step for fit in sound] or [0.0])),
+            median_of(np.array([fit.roughness for fit in sound] or [0.0])),
+            median_of(np.array([fit.step for fit in sound] or [0.0])),
         )
 
     def met_by(self, fit: SettledCorner | None, settings: CornerSettings) -> SettledCorner | None:
@@ -98,10 +105,7 @@ def measured_corners(
         return rough
     search = _Search.of(grey, board, settings.corner)
     axes_all = _axes(rough) if rough.axes is None else rough.axes
-    fits = [
-        fit_corner(grey, search.surroundings((int(i), int(j)), place, axes), settings.corner)
-        for (i, j), place, axes in zip(rough.index, rough.seen_at, axes_all, strict=True)
-    ]
+    fits = fit_corners(grey, search.places(rough.index, rough.seen_at, axes_all), settings.corner)
     standard = Standard.of(fits)
     fits = [standard.met_by(fit, settings.corner) for fit in fits]
     index = [(int(i), int(j)) for i, j in rough.index]
@@ -111,14 +115,15 @@ def measured_corners(
     found = bool(known)  # from none there is nothing to predict
     while found:
         found = False
+        beside = _beside(known, board)
+        if all(node in tried and tried[node] >= _ALL_NEAR for node in beside):
+            break
         predictor = Predictor(Lattice(dict(known)), _as_outlines(seen_at), settings.grid)
-        expected = predictor.predict(_beside(known, board))
-        for node, prediction in expected.items():
-            if tried.get(node, 0) >= prediction.neighbours:
-                continue
-            tried[node] = prediction.neighbours
-            fit = standard.met_by(search.fit_at(node, prediction), settings.corner)
-            if fit is not None:
+        expected = predictor.predict(beside)
+        new = {node: one for node, one in expected.items() if tried.get(node, 0) < one.neighbours}
+        tried |= {node: one.neighbours for node, one in new.items()}
+        for node, fit in zip(new, search.fits_at(new), strict=True):
+            if fit is not None and standard.met_by(fit, settings.corner) is not None:
                 known[node] = len(index)
                 index.append(node)
                 fits.append(fit)
@@ -141,16 +146,14 @@ def widened_corners(
         As of :func:`measured_corners`.
     settings : CornerSettings
     """
-    nodes = [(int(i), int(j)) for i, j in corners.index]
+    nodes = [(i, j) for i, j in corners.index.tolist()]
     fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
     if not corners.spans_a_plane() or not fits:
         return corners
-    search = _Search.of(grey, board, settings)
-    around = {
-        node: search.surroundings(node, place, axes)
-        for node, place, axes in zip(nodes, corners.seen_at, _axes(corners), strict=True)
-    }
-    wider = wider_fits(grey, fits, around, settings)
+    fitted = np.flatnonzero([fit is not None for fit in corners.fits])
+    no_axes = np.full((len(fitted), 2, 2), np.nan)
+    places = _Search.of(grey, board, settings).places(corners.index[fitted], corners.seen_at[fitted], no_axes)
+    wider = wider_fits(grey, fits, places, lambda: _axes(corners)[fitted], settings)
     standard = Standard.of(list(wider.values()))
     found = [standard.met_by(wider.get(node), settings) for node in nodes]
     seen_at = [
@@ -188,29 +191,31 @@ class _Search:
         i, j = np.indices((board.cols, board.rows)).reshape(2, -1) + 1
         return cls(grey, board, settings, board.is_black(i, j).reshape(board.cols, board.rows))
 
-    def fit_at(self, node: Node, prediction: Prediction) -> SettledCorner | None:
-        """Return the fit of a corner where its neighbours predict it, if it is one."""
-        around = self.surroundings(node, prediction.position, prediction.steps)
-        fit = fit_corner(self.grey, around, self.settings)
-        return (
-            None
-            if fit is None or prediction.residual(fit.centre) > self.settings.max_residual_squares
-            else fit
-        )
+    def fits_at(self, predictions: dict[Node, Prediction]) -> list[SettledCorner | None]:
+        """Return the fits of corners where their neighbours predict them; None for those that are none."""
+        if not predictions:
+            return []
+        index = np.array(list(predictions), dtype=np.int64)
+        seen = np.array([one.position for one in predictions.values()])
+        steps = np.array([one.steps for one in predictions.values()])
+        fits = fit_corners(self.grey, self.places(index, seen, steps), self.settings)
+        return [
+            None if fit is None or one.residual(fit.centre) > self.settings.max_residual_squares else fit
+            for fit, one in zip(fits, predictions.values(), strict=True)
+        ]
 
-    def surroundings(self, node: Node, place: np.ndarray, axes: np.ndarray) -> Surroundings:
-        """Return what lies around a corner of the board."""
-        board = self.board
-        reach = float(np.sqrt(self.settings.reach_bend_px * max(self.grey.shape)))
-        return Surroundings(
-            centre=place,
-            axes=axes,
-            white=-1 if self.black[node] else 1,
-            gap=board.corner_gap,
-            clear=board.clear_reach(*node),
-            reach=max(self.settings.min_reach_px, reach),
-            share=self.settings.max_reach_squares,
-        )
+    def places(
+        self, index: Int[np.ndarray, "n 2"], seen_at: Pixels, axes: Float64[np.ndarray, "n 2 2"]
+    ) -> Places:
+        """Return what lies around corners of the board."""
+        board, settings = self.board, self.settings
+        reach = float(np.sqrt(settings.reach_bend_px * max(self.grey.shape)))
+        limits = np.empty((len(index), len(WindowLimits._fields)))
+        limits[:, 0] = np.where(self.black[index[:, 0], index[:, 1]], -1.0, 1.0)
+        limits[:, 1] = board.corner_gap
+        limits[:, 2] = [board.clear_reach(col, row) for col, row in index.tolist()]
+        limits[:, 3], limits[:, 4] = max(settings.min_reach_px, reach), settings.max_reach_squares
+        return Places(seen_at, axes, np.zeros((len(index), 2)), limits)
 
 
 def _axes(corners: Corners) -> np.ndarray:

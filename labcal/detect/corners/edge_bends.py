@@ -20,7 +20,7 @@ def edge_bends(places: np.ndarray) -> np.ndarray:
     places : ndarray, shape (a, b, 2)
         Measured corners, px, by column and row; NaN where there is none.
     """
-    return np.stack([_smooth(_bends(places, axis)) for axis in (0, 1)], axis=2)
+    return _smooth(np.stack([_bends(places, axis) for axis in (0, 1)], axis=2))
 
 
 def across_edges(bends: np.ndarray, states: np.ndarray) -> np.ndarray:
@@ -39,7 +39,7 @@ def across_edges(bends: np.ndarray, states: np.ndarray) -> np.ndarray:
 
 
 def _smooth(bends: np.ndarray) -> np.ndarray:
-    """Return the medians of curvatures (a, b, 2) around every node, as near by as there are any."""
+    """Return the medians of curvatures (a, b, 2, 2) around every node, as near by as there are any."""
     smooth = median_around(bends, _NEAR[0])
     for reach in _NEAR[1:]:
         if np.isnan(smooth).any():

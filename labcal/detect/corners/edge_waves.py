@@ -1,22 +1,30 @@
 """Residuals along the edges of a chessboard's corner, in waves that a fit leaves free."""
 
-from math import cos, pi
+from math import factorial, pi
 
 import numpy as np
 from jaxtyping import Float64
 
 from labcal.detect.cholesky import solve
 from labcal.detect.compiled import compiled
+from labcal.detect.row_products import LANES, add_products
 
 WAVES = 6
 """Of the distance from the corner: one half to three within the pixels of a fit."""
+_TESTS = 2 * WAVES
+"""Waves along both axes."""
+ROWS, RESIDUAL = 12, 10
+"""Of a table of derivatives and residuals: whole tiles of products."""
+_TAYLOR = tuple((-1.0) ** k / factorial(2 * k + 1) for k in range(9))
+"""Of the sine, over its argument, by powers of the argument squared."""
 
 
 @compiled
 def wave_powers(
-    fit: tuple[np.ndarray, np.ndarray, np.ndarray],
+    tables: tuple[np.ndarray, np.ndarray],
+    products: tuple[np.ndarray, np.ndarray, np.ndarray],
+    free: int,
     distance: np.ndarray,
-    gain: np.ndarray,
     variance: np.ndarray,
 ) -> np.ndarray:
     """Return the power of the residuals in each wave, and the expected one, for noise as the fit has it.
@@ -28,13 +36,17 @@ def wave_powers(
 
     Parameters
     ----------
-    fit : tuple of ndarray
-        At the converged fit: residuals (n,), derivatives (p, n), and the Cholesky factor of the normal
-        matrix (p, p).
+    tables : (ndarray, ndarray), shape (ROWS, w)
+        At the converged fit: derivatives by the free parameters, then, in row :data:`RESIDUAL`, residuals; 0
+        in all other rows, and in all columns beyond the n pixels. w is n filled up to whole tiles. And the
+        same times the variances.
+    products : (ndarray, ndarray, ndarray), shape (ROWS, ROWS)
+        Of the first table's rows with one another, its lower triangle; the Cholesky factor of the normal
+        matrix, which is a part of it; and of the first table's rows with those of the second one.
+    free : int
+        Number of free parameters.
     distance : ndarray, shape (n,)
         Of the pixels from the corner, px.
-    gain : ndarray, shape (2, n)
-        Weights of the residuals in the corner's place.
     variance : ndarray, shape (n,)
         Of the pixels' noise, as the covariance counts with it.
 
@@ -43,32 +55,69 @@ def wave_powers(
     ndarray, shape (WAVES, 2)
         Means over both axes; for weights whose noise has the power 1 where a fit takes none of it.
     """
-    residual, jacobian, factor = fit
-    n = len(residual)
-    farthest = distance.max()
-    tests = np.empty((2 * WAVES, n))
+    (table, weighted), (plain, root, fits) = tables, products
+    n, width = len(distance), table.shape[1]
+    gain = np.zeros((2, width))
+    for axis in range(2):
+        weight = np.zeros(free)
+        weight[axis] = 1.0
+        solve(root, weight)
+        for p in range(free):
+            row, by, out = table[p], weight[p], gain[axis]
+            for k in range(n):
+                out[k] += by * row[k]
+    waves = np.zeros((_TESTS, width))
+    per_farthest = 1.0 / distance.max()
     for k in range(n):
         # By Chebyshev's recursion, each wave from the two before it.
-        first = cos(pi * distance[k] / farthest)
+        first = _half_wave(per_farthest * distance[k])
         before, wave = 1.0, first
         for number in range(WAVES):
-            for axis in range(2):
-                tests[2 * number + axis, k] = wave * gain[axis, k]
+            waves[2 * number, k], waves[2 * number + 1, k] = wave * gain[0, k], wave * gain[1, k]
             before, wave = wave, 2.0 * first * wave - before
-    taken = tests @ jacobian.T
-    for test in range(2 * WAVES):
-        solve(factor, taken[test])
-    left = tests - taken @ jacobian
-    powers = np.zeros((WAVES, 2))
-    for test in range(2 * WAVES):
-        size = seen = expected = 0.0
-        for k in range(n):
-            size += tests[test, k] * tests[test, k] * variance[k]
-            seen += left[test, k] * residual[k]
-            expected += left[test, k] * left[test, k] * variance[k]
-        powers[test // 2, 0] += 0.5 * seen * seen / size
-        powers[test // 2, 1] += 0.5 * expected / size
+    sizes = _weighted_squares(waves, variance)
+    # Of a wave t less what the fit takes, t - J' w, the squares times the variances v are
+    # t v t - 2 w (J v t) + w (J v J') w.
+    taken, noise = np.zeros((_TESTS, ROWS)), np.zeros((_TESTS, ROWS))
+    add_products(waves, table, (0, width), taken)
+    add_products(waves, weighted, (0, width), noise)
+    powers, weight = np.zeros((WAVES, 2)), np.empty(free)
+    for test in range(_TESTS):
+        weight[:] = taken[test, :free]
+        solve(root, weight)
+        seen, expected = taken[test, RESIDUAL], sizes[test]
+        for p in range(free):
+            seen -= weight[p] * plain[RESIDUAL, p]
+            expected -= 2.0 * weight[p] * noise[test, p]
+            for q in range(free):
+                expected += weight[p] * weight[q] * fits[p, q]
+        powers[test // 2, 0] += 0.5 * seen * seen / sizes[test]
+        powers[test // 2, 1] += 0.5 * max(expected, 0.0) / sizes[test]
     return powers
+
+
+@compiled
+def _half_wave(share: float) -> float:
+    """Return ``cos(pi share)`` for shares from 0 to 1, by Taylor's series of the sine; right to 1e-12."""
+    x = pi * (0.5 - share)
+    y = x * x
+    high = _TAYLOR[4] + y * (_TAYLOR[5] + y * (_TAYLOR[6] + y * (_TAYLOR[7] + y * _TAYLOR[8])))
+    return float(x * (_TAYLOR[0] + y * (_TAYLOR[1] + y * (_TAYLOR[2] + y * (_TAYLOR[3] + y * high)))))
+
+
+@compiled
+def _weighted_squares(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return the sums of the squares of rows (m, n), weighted (n,); four at a time, since a sum must wait."""
+    sums = np.zeros(len(rows))
+    for i in range(0, len(rows), LANES):
+        a = b = c = d = 0.0
+        for k in range(len(weight)):
+            a += rows[i, k] * rows[i, k] * weight[k]
+            b += rows[i + 1, k] * rows[i + 1, k] * weight[k]
+            c += rows[i + 2, k] * rows[i + 2, k] * weight[k]
+            d += rows[i + 3, k] * rows[i + 3, k] * weight[k]
+        sums[i], sums[i + 1], sums[i + 2], sums[i + 3] = a, b, c, d
+    return sums
 
 
 def wavelengths(reach: float) -> Float64[np.ndarray, " waves"]:

@@ -29,6 +29,8 @@ def hard_edge_covariance(fit: SettledCorner, least_blur: float) -> np.ndarray:
     least_blur : float
         The least blur of a fit, px.
     """
+    if min(fit.state.item(4), fit.state.item(5)) > _AT_LEAST * least_blur:
+        return np.zeros((2, 2))
     variances, offset = np.zeros(2), fit.window.offset - fit.state[:2, None]
     normals = np.stack([np.cos(fit.state[2:4]), np.sin(fit.state[2:4])], axis=1)
     level = np.abs(fit.window.value - fit.state[6]) / abs(float(fit.state[7]))

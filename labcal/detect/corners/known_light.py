@@ -81,12 +81,11 @@ def known_light_fits(
     dict of (col, row) to SettledCorner
         Without those that do not converge.
     """
-    final: dict[Node, SettledCorner] = {}
-    for (node, one), slope, bend in zip(wide.items(), *known, strict=True):
-        if np.isnan(bend).any() or np.isnan(slope).any():
-            final[node] = fits[node]
-            continue
-        found = with_known_light(one, slope, bend, settings)
-        if found is not None:
-            final[node] = found
-    return final
+    slopes, bends = known
+    determined = np.isfinite(slopes).all(axis=1) & np.isfinite(bends).all(axis=1)
+    some = [one for one, is_found in zip(wide.values(), determined, strict=True) if is_found]
+    found = iter(with_known_light(some, slopes[determined], bends[determined], settings))
+    chosen = {
+        node: next(found) if is_found else fits[node] for node, is_found in zip(wide, determined, strict=True)
+    }
+    return {node: fit for node, fit in chosen.items() if fit is not None}

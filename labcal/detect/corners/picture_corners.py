@@ -3,7 +3,7 @@
 import numpy as np
 
 from labcal.arrays import DotIndices
-from labcal.detect.corners.corner_fit import is_cut, judge
+from labcal.detect.corners.corner_fit import is_cut, judge_all
 from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.edge_waves import wavelengths
@@ -37,7 +37,7 @@ def picture_corners(
     """
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     n = len(corners.fits)
-    fits = [None if fit is None else judge(fit, settings.corner) for fit in corners.fits]
+    fits = judge_all(corners.fits, settings.corner)
     factor = _factor([fit for fit in fits if fit is not None], settings.edge)
     missing = np.full((2, 2), np.nan)
     covariance = [

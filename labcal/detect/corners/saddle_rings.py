@@ -11,6 +11,8 @@ READING = 4
 """Of a ring: angles of the two edges, 1 where it is white between them, else -1; step."""
 _HALF = 24
 """Samples along half a ring."""
+_COSINE = np.array([cos(pi * i / _HALF) for i in range(2 * _HALF)])
+_SINE = np.array([sin(pi * i / _HALF) for i in range(2 * _HALF)])
 
 
 class RingLimits(NamedTuple):
@@ -46,8 +48,7 @@ def read_rings(smooth: np.ndarray, places: np.ndarray, limits: RingLimits) -> np
         if x < r + 1 or y < r + 1 or x > width - 2 - r or y > height - 2 - r:
             continue
         for i in range(2 * _HALF):
-            angle = pi * i / _HALF
-            value[i] = _at(smooth, x + r * cos(angle), y + r * sin(angle))
+            value[i] = _at(smooth, x + r * _COSINE[i], y + r * _SINE[i])
         for i in range(_HALF):
             even[i] = 0.5 * (value[i] + value[i + _HALF])
             odd[i] = 0.5 * (value[i] - value[i + _HALF])

@@ -8,6 +8,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, Pixels
 from labcal.detect.corners.saddle_rings import READING, RingLimits, read_rings
+from labcal.detect.corners.saddle_strength import saddle_strength, strongest_places
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.saddle import SaddleSettings
 
@@ -57,18 +58,14 @@ def find_saddles(grey: GreyPicture, settings: SaddleSettings) -> Saddles:
     settings : SaddleSettings
     """
     smooth = cv2.GaussianBlur(grey, (0, 0), settings.blur_px)
-    xx, yy, xy = _second_derivatives(smooth)
-    strength = xy * xy - xx * yy
-    strongest = cv2.dilate(strength, np.ones((5, 5), dtype=np.uint8))
+    strength = saddle_strength(smooth)
     usual = float(np.median(np.abs(strength[::4, ::4])))
     least = max(settings.noise_factor**2 * usual, _FAINTEST * float(strength.max()))
-    y, x = np.nonzero((strength == strongest) & (strength > least))
+    y, x = strongest_places(strength, least)
     order = np.argsort(-strength[y, x], kind="stable")[: settings.max_saddles]
     y, x = y[order], x[order]
-    inside = (x > 0) & (y > 0) & (x < grey.shape[1] - 1) & (y < grey.shape[0] - 1)
-    y, x = y[inside], x[inside]
     gradient = 0.5 * np.stack([smooth[y, x + 1] - smooth[y, x - 1], smooth[y + 1, x] - smooth[y - 1, x]])
-    a, b, c = xx[y, x], xy[y, x], yy[y, x]
+    a, b, c = _second_derivatives(smooth, y, x)
     step = np.stack([c * gradient[0] - b * gradient[1], a * gradient[1] - b * gradient[0]]) / strength[y, x]
     near = np.abs(step).max(axis=0) < _NEWTON_PX if len(x) else np.zeros(0, dtype=bool)
     place = np.stack([x + step[0], y + step[1]], axis=-1)[near].astype(np.float64)
@@ -77,12 +74,11 @@ def find_saddles(grey: GreyPicture, settings: SaddleSettings) -> Saddles:
     return Saddles(place[ok], rings[ok, :2].copy(), rings[ok, 2] > 0, rings[ok, 3].copy())
 
 
-def _second_derivatives(smooth: GreyPicture) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the derivatives xx, yy and xy by central differences."""
-    second = np.array([1.0, -2.0, 1.0], dtype=np.float32)
-    first, one = np.array([-0.5, 0.0, 0.5], dtype=np.float32), np.ones(1, dtype=np.float32)
-    return (
-        cv2.sepFilter2D(smooth, -1, second, one),
-        cv2.sepFilter2D(smooth, -1, one, second),
-        cv2.sepFilter2D(smooth, -1, first, first),
-    )
+def _second_derivatives(
+    smooth: GreyPicture, y: np.ndarray, x: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the derivatives xx, xy and yy by central differences at pixels within the picture."""
+    twice = 2.0 * smooth[y, x]
+    along, down = smooth[y, x - 1] - twice + smooth[y, x + 1], smooth[y - 1, x] - twice + smooth[y + 1, x]
+    below, above = smooth[y + 1, x + 1] - smooth[y + 1, x - 1], smooth[y - 1, x + 1] - smooth[y - 1, x - 1]
+    return along, 0.25 * (below - above), down

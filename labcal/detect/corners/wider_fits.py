@@ -1,13 +1,14 @@
 """Second fit of the corners of a board: to the middles of the squares, along edges whose bend is known."""
 
-from dataclasses import replace
+from collections.abc import Callable
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import SettledCorner, widen
-from labcal.detect.corners.corner_window import Surroundings
+from labcal.detect.corners.corner_fit import SettledCorner, widen, widened_with_light
+from labcal.detect.corners.corner_rounds import Round
+from labcal.detect.corners.corner_window import Places
 from labcal.detect.corners.edge_bends import across_edges, edge_bends
-from labcal.detect.corners.known_light import known_light_fits, light_slopes
+from labcal.detect.corners.known_light import light_slopes
 from labcal.detect.corners.node_grid import NodeGrid, ahead, behind, median_around
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
@@ -25,7 +26,8 @@ _ROUGH_NODES = 2
 def wider_fits(
     grey: GreyPicture,
     fits: dict[Node, SettledCorner],
-    surroundings: dict[Node, Surroundings],
+    places: Places,
+    usual: Callable[[], np.ndarray],
     settings: CornerSettings,
 ) -> dict[Node, SettledCorner]:
     """Return the fits of corners over all of their edges that no other corner shares.
@@ -41,8 +43,11 @@ def wider_fits(
         The picture.
     fits : dict of (col, row) to SettledCorner
         The first fits.
-    surroundings : dict of (col, row) to Surroundings
-        With which they were made.
+    places : Places
+        With which they were made, in their order.
+    usual : callable
+        Returns one square along x and along y at each of them, in columns, px, shape (n, 2, 2), where there
+        is no corner beside.
     settings : CornerSettings
 
     Returns
@@ -51,55 +56,59 @@ def wider_fits(
         Without those whose wider fit does not converge, or where the light is not known.
     """
     nodes = list(fits)
-    grid, places = NodeGrid.of(nodes), np.array([fit.centre for fit in fits.values()])
+    grid, centres = NodeGrid.of(nodes), np.array([fit.centre for fit in fits.values()])
     states = np.array([fit.state for fit in fits.values()])
-    bends = across_edges(edge_bends(grid.spread(places))[grid.at], states)
-    steps = _steps(grid.spread(places), grid.spread(np.array([surroundings[node].axes for node in nodes])))
-    steps = steps[grid.at]
-    wide: dict[Node, SettledCorner] = {}
-    clear = set[Node]()
-    for k, (node, fit) in enumerate(fits.items()):
-        if np.isnan(bends[k]).any():
-            clear.add(node)
-            continue
-        near = replace(
-            surroundings[node],
-            centre=places[k],
-            axes=steps[k],
-            reach=settings.max_reach_px,
-            share=settings.wide_reach_squares,
-            bend=bends[k],
-        )
-        found = widen(grey, near, fit.state, settings)
-        if found is not None:
-            wide[node] = found
-    wide = _clear(wide, settings.clear_roughness_factor)
-    final = {node: fits[node] for node in fits if node in clear}
-    if not wide:
+    spread = grid.spread(centres)
+    bends = across_edges(edge_bends(spread)[grid.at], states)
+    steps = _steps(spread)[grid.at]
+    if np.isnan(steps).any():
+        steps = np.where(np.isnan(steps), usual(), steps)
+    determined = np.isfinite(bends).all(axis=1)
+    limits = places.limits[determined]
+    limits[:, 3:] = settings.max_reach_px, settings.wide_reach_squares
+    near = Places(centres[determined], steps[determined], bends[determined], limits)
+    final = {node: fits[node] for node, is_known in zip(nodes, determined, strict=True) if not is_known}
+    if not determined.any():
         return final
-    grid, places = NodeGrid.of(list(wide)), np.array([one.centre for one in wide.values()])
-    states = np.array([one.state for one in wide.values()])
-    bends = across_edges(edge_bends(grid.spread(places))[grid.at], states)
-    white = np.array([max(one.state[6] + one.state[7], _DARKEST) for one in wide.values()])
-    slopes = light_slopes(grid, places, white, (_LIGHT_NODES, _FEWEST))
-    return final | known_light_fits(fits, wide, (slopes, bends), settings)
+    wide = widen(grey, near, states[determined], settings)
+    kept = _clear(wide, grid.nodes[determined], settings.clear_roughness_factor)
+    if len(kept) == 0:
+        return final
+    inner, some = NodeGrid(grid.nodes[determined][kept]), np.array(nodes)[determined][kept].tolist()
+    states, centres = wide.states[kept], centres[determined][kept] + wide.states[kept, :2]
+    bends = across_edges(edge_bends(inner.spread(centres))[inner.at], states)
+    white = np.maximum(states[:, 6] + states[:, 7], _DARKEST)
+    slopes = light_slopes(inner, centres, white, (_LIGHT_NODES, _FEWEST))
+    known = np.isfinite(bends).all(axis=1) & np.isfinite(slopes).all(axis=1)
+    which = kept[known]
+    there = Places(near.centre[which], near.axes[which], bends[known], near.limits[which])
+    found = iter(widened_with_light(wide, which, there, slopes[known], settings))
+    for node, is_known in zip(map(tuple, some), known.tolist(), strict=True):
+        fit = next(found) if is_known else fits[node]
+        if fit is not None:
+            final[node] = fit
+    return final
 
 
-def _clear(wide: dict[Node, SettledCorner], factor: float) -> dict[Node, SettledCorner]:
-    """Return the fits that are not much rougher than those around: nothing lies in the squares of these."""
-    if not wide:
-        return wide
-    grid, roughness = NodeGrid.of(list(wide)), np.array([one.roughness for one in wide.values()])
+def _clear(wide: Round, nodes: np.ndarray, factor: float) -> np.ndarray:
+    """Return the numbers of the fits that are not much rougher than those around.
+
+    Nothing lies in the squares of these.
+    """
+    kept = np.flatnonzero(wide.ok)
+    if len(kept) == 0:
+        return kept
+    grid, roughness = NodeGrid(nodes[kept]), wide.rms[kept] / (2.0 * wide.states[kept, 7])
     usual = median_around(grid.spread(roughness), _ROUGH_NODES)[grid.at]
-    return {node: wide[node] for node, ok in zip(wide, roughness <= factor * usual, strict=True) if ok}
+    return np.asarray(kept[roughness <= factor * usual])
 
 
-def _steps(places: np.ndarray, usual: np.ndarray) -> np.ndarray:
+def _steps(places: np.ndarray) -> np.ndarray:
     """Return one square along x and along y at corners, in columns, px, by the corners beside each.
 
-    `usual` (a, b, 2, 2) is where there is no corner beside.
+    NaN where there is no corner beside.
     """
-    steps = usual.copy()
+    steps = np.full((*places.shape, 2), np.nan)
     for axis in (0, 1):
         after, before = ahead(places, axis), behind(places, axis)
         both = 0.5 * (after + before)

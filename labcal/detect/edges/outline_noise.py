@@ -183,7 +183,8 @@ def smooth_wave_ratio(
 ) -> tuple[float, float]:
     """Return the same as :func:`long_wave_ratio`, with all that long waves hold, a ragged print's edges, too.
 
-    Waves are alike where chance explains that they are not.
+    Waves are alike where chance explains that they are not. Those of one corner go together somewhat, since
+    its edges have few pixels: how much, the corners' scatter tells.
 
     Parameters
     ----------
@@ -201,6 +202,7 @@ def smooth_wave_ratio(
     if usual is None:
         return float("nan"), inf
     ratio, weight = usual
+    weight = weight / _shared_power(powers)
     square = 1.0 / wavelengths**2
     if len(ratio) > 1:
         _, slope, level_variance, slope_variance = gamma_regression(square, ratio, weight)
@@ -209,6 +211,20 @@ def smooth_wave_ratio(
             level = float(np.average(ratio * np.exp(-slope * square), weights=weight))
             return level, sqrt(level_variance)
     return float(np.average(ratio, weights=weight)), 1.0 / sqrt(float(weight.sum()))
+
+
+def _shared_power(powers: Float64[np.ndarray, "n k 2"]) -> float:
+    """Return the variance of a picture's mean power over that of independent waves, at least 1.
+
+    By the scatter from corner to corner (the variance of a ratio estimator, Cochran 1977, section 2.11).
+    """
+    seen, expected = powers.sum(axis=1).T
+    n, total = len(seen), float(expected.sum())
+    ratio = float(seen.sum()) / total
+    if n == 1 or not ratio > 0.0:
+        return 1.0
+    scatter = float(((seen - ratio * expected) ** 2).sum()) / total**2 * n / (n - 1.0)
+    return max(1.0, scatter * total / ratio**2)
 
 
 def _usual_powers(

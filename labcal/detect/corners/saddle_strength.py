@@ -1,0 +1,60 @@
+"""Likeness of the pixels of a picture to saddle points, and the strongest of them, in compiled code."""
+
+import numpy as np
+
+from labcal.detect.compiled import compiled
+
+_NEAR = 2
+"""Pixels to either side of which one is the strongest."""
+_QUARTER, _TWO = np.float32(0.25), np.float32(2.0)
+
+
+@compiled
+def saddle_strength(smooth: np.ndarray) -> np.ndarray:
+    """Return the negative determinant of the second derivatives by central differences, shape (h, w).
+
+    Parameters
+    ----------
+    smooth : ndarray of float32, shape (h, w)
+
+    Returns
+    -------
+    ndarray of float32
+        0 at the rim of the picture.
+    """
+    height, width = smooth.shape
+    strength = np.zeros((height, width), dtype=np.float32)
+    for j in range(1, height - 1):
+        above, here, below, out = smooth[j - 1], smooth[j], smooth[j + 1], strength[j]
+        for i in range(1, width - 1):
+            twice = _TWO * here[i]
+            xx, yy = here[i - 1] - twice + here[i + 1], above[i] - twice + below[i]
+            xy = _QUARTER * ((below[i + 1] - below[i - 1]) - (above[i + 1] - above[i - 1]))
+            out[i] = xy * xy - xx * yy
+    return strength
+
+
+@compiled
+def strongest_places(strength: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return row and column of the pixels above a least strength than which none near is stronger."""
+    height, width = strength.shape
+    most = height * width // 4 + 1
+    y, x = np.empty(most, dtype=np.int64), np.empty(most, dtype=np.int64)
+    n = 0
+    for j in range(1, height - 1):
+        row = strength[j]
+        for i in range(1, width - 1):
+            if row[i] > least and n < most and _is_strongest(strength, j, i):
+                y[n], x[n] = j, i
+                n += 1
+    return y[:n].copy(), x[:n].copy()
+
+
+@compiled
+def _is_strongest(strength: np.ndarray, j: int, i: int) -> bool:
+    """Tell whether no pixel near one is stronger."""
+    for down in range(max(j - _NEAR, 0), min(j + _NEAR + 1, strength.shape[0])):
+        for across in range(max(i - _NEAR, 0), min(i + _NEAR + 1, strength.shape[1])):
+            if strength[down, across] > strength[j, i]:
+                return False
+    return True
