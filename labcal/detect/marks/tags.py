@@ -104,4 +104,4 @@ def _surroundings(quad: np.ndarray, corner: int, cells: int) -> TagCorner:
     """Return a corner of a tag with its edges, to the next corner and to the one before."""
     centre = quad[corner]
     edges = np.stack([quad[(corner + 1) % 4] - centre, quad[corner - 1] - centre], axis=1)
-    return TagCorner(centre, edges, cells)
+    return TagCorner(centre, edges, float(cells))
