@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
+from labcal.detect.edges.certainty import CERTAINTY
 from labcal.detect.edges.edge_limits import EdgeLimits, PictureLimits
 from labcal.detect.edges.edge_model import STATE, TINY
 from labcal.detect.edges.gauss_newton import fit_all
@@ -121,14 +122,15 @@ def fit_edges(
     sums = np.zeros((-(-count // every), LAGS, SUMS))
     picture = PictureLimits(reach, *clipping(grey, settings.clipped_value_share), black, every)
     limits = settings.limits(EdgeLimits), settings.limits(ResidualLimits)
-    ok = fit_all(grey, table, hole, picture, limits, sums)
+    certainty = np.zeros((count, CERTAINTY))
+    ok = fit_all(grey, table, hole, picture, limits, (sums, certainty))
     table[~ok] = np.nan
     flat = noise_factor(sums, settings)
     light = OneLight.of(table, flat, settings)
     some = np.flatnonzero(ok)
     some = some[:: max(1, -(-len(some) // settings.noise_outlines))]
-    weights = light.select(some).weights(table[some], black)
-    noise = outline_noise(grey, table[some], weights, (hole[some], reach), flat, settings)
+    kept = light.select(some).weights(table[some], black), certainty[some]
+    noise = outline_noise(grey, table[some], kept, (hole[some], reach), flat, settings)
     F = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
     covariance = light.covariances(table, noise.factor)
     if noise.factor != 1.0:

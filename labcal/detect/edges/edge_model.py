@@ -60,25 +60,6 @@ def normal_equations(
 
 
 @compiled
-def equations_of(
-    state: np.ndarray,
-    shading: np.ndarray,
-    edge: tuple[np.ndarray, int],
-    moments: np.ndarray,
-    expected: tuple[float, float],
-    work: tuple[np.ndarray, np.ndarray],
-) -> None:
-    """Sum the normal equations as :func:`normal_equations` does from rows of the edge's derivatives.
-
-    The rows are those of a chunk from the derivatives on, (16, m), so many of them as pixels and then zeros.
-    """
-    rows, total = edge
-    work[1][:] = 0.0
-    add_own_products(rows, filled_up(total), work[1])
-    _add_the_rest(state, shading, (moments, total), expected, work)
-
-
-@compiled
 def _add_the_rest(
     state: np.ndarray,
     shading: np.ndarray,

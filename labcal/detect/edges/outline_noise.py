@@ -32,7 +32,7 @@ class OutlineNoise(NamedTuple):
 def outline_noise(
     grey: GreyPicture,
     table: Float64[np.ndarray, "n c"],
-    weights: Float64[np.ndarray, "n 2 p"],
+    fits: tuple[Float64[np.ndarray, "n 2 p"], Float64[np.ndarray, "n q"]],
     picture: tuple[Float64[np.ndarray, " n"], float],
     flat: float,
     settings: EdgeSettings,
@@ -44,8 +44,9 @@ def outline_noise(
     grey : ndarray, shape (h, w)
     table : ndarray, shape (n, COLUMNS)
         Converged fits, see :func:`~labcal.detect.edges.gauss_newton.fit_all`.
-    weights : ndarray, shape (n, 2, PARAMETERS)
-        Weights of the fit's parameters in the centre that is stated.
+    fits : (ndarray, ndarray)
+        Weights of the fit's parameters in the centre that is stated, shape (n, 2, PARAMETERS), and the
+        factorised systems, shape (n, CERTAINTY).
     picture : (ndarray, float)
         The holes of rings, shape (n,), and how far no other dot is met; radii.
     flat : float
@@ -56,12 +57,14 @@ def outline_noise(
     some = table[:, VARIANCE] > 0.0  # a drawn picture may be without noise
     if not some.any():
         return OutlineNoise(flat, np.eye(2))
-    table, weights, picture = table[some], weights[some], (picture[0][some], picture[1])
+    if not some.all():
+        table, fits = table[some], (fits[0][some], fits[1][some])
+        picture = (picture[0][some], picture[1])
     radius = median_of(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2))
     harmonics = chosen_harmonics(radius, settings)
     nearest = neighbouring(harmonics)
     numbers = np.union1d(harmonics.numbers, nearest.numbers)
-    sums = harmonic_sums(grey, table, weights, picture, numbers, settings.limits(EdgeLimits))
+    sums = harmonic_sums(grey, table, fits, picture, numbers, settings.limits(EdgeLimits))
     sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
     step = (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE])
     powers = own_powers(sums[:, np.isin(numbers, harmonics.numbers)], step)
