@@ -16,8 +16,9 @@ from labcal.detect.compiled import compiled
 
 LANES = 4
 """Partial sums of a product. Rows are this long or a multiple of it: what is too much of them is 0."""
-HIGH, WIDE = 2, 4
+HIGH, WIDE = 2, 2
 """Rows on the left, and on the right, of which all pairs are multiplied at a time: loads are shared."""
+# With four rows on the right a triangle takes a third longer: more of what is above its diagonal is computed.
 
 Code = Callable[[BaseContext, ir.IRBuilder, Signature, Sequence[ir.Value]], ir.Value]
 """A function that writes instructions, and returns where their result is."""
@@ -37,7 +38,7 @@ def add_products(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sum
     left : ndarray, shape (m, n)
         m is a multiple of 2, n of 4.
     right : ndarray, shape (p, n)
-        p is a multiple of 4.
+        p is a multiple of 2.
     part : (int, int)
         First column and the one after the last; their difference is a multiple of 4.
     sums : ndarray, shape (m, p)
@@ -54,7 +55,7 @@ def add_own_products(rows: np.ndarray, width: int, sums: np.ndarray) -> None:
     Parameters
     ----------
     rows : ndarray, shape (m, n)
-        m is a multiple of 4.
+        m is a multiple of 2.
     width : int
         So many columns count, a multiple of 4.
     sums : ndarray, shape (m, m)
@@ -86,7 +87,7 @@ def copy_columns(source: np.ndarray, at: int, target: np.ndarray, place: tuple[i
 
 @compiled
 def add_tile(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sums: np.ndarray) -> None:
-    """Add the products of two rows with four rows to `sums`, shape (2, 4), see :func:`add_products`."""
+    """Add the products of two rows with two rows to `sums`, shape (2, 2), see :func:`add_products`."""
     tile = _TILE(left, right, part[0], part[1])
     for i in range(HIGH):
         for j in range(WIDE):
@@ -96,7 +97,7 @@ def add_tile(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sums: n
 def _tile_code(
     _context: TypingContext, left: types.Array, right: types.Array, first: types.Type, last: types.Type
 ) -> tuple[Signature, Code]:
-    """Return the eight products of two rows with four rows, one row after the other."""
+    """Return the four products of two rows with two rows, one row after the other."""
     returned = types.UniTuple(types.float64, HIGH * WIDE)  # type: ignore[no-untyped-call]
 
     def code(

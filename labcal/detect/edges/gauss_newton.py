@@ -152,7 +152,7 @@ def _settle(
     if pixels.shape[1] < 3 * PARAMETERS:
         return False
     edge = pixels[:, :count:2]  # half of it is enough for the first step
-    flat_moments(state, shading, pixels[:, count:], moments)
+    flat_moments(state, shading, pixels[:, count:], work[0], moments)
     for number in range(limits.max_iterations):
         normal_equations(state, shading, edge, moments, expected, work)
         if not factorise(system, PARAMETERS, _SINGULAR):

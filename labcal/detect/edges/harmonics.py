@@ -11,8 +11,8 @@ from labcal.detect.compiled import compiled
 from labcal.detect.edges.band import pixels_around, without_clutter
 from labcal.detect.edges.certainty import factor_of, held_by_priors
 from labcal.detect.edges.edge_limits import EdgeLimits
-from labcal.detect.edges.edge_model import PARAMETERS, STATE, TINY
-from labcal.detect.edges.weighed_pixels import weighed_sums
+from labcal.detect.edges.edge_model import CHUNK, PARAMETERS, PLANES, STATE, TINY
+from labcal.detect.edges.weighed_pixels import LINES, weighed_sums
 from labcal.detect.row_products import HIGH, WIDE
 
 FOLLOWED = 3
@@ -75,16 +75,18 @@ def harmonic_sums(
     sums = np.zeros((len(table), len(numbers), 3))
     products = np.empty((HIGH, WIDE * -(-(1 + 2 * len(numbers)) // WIDE)))
     followed = np.empty((PARAMETERS + HIGH if numbers[0] <= FOLLOWED else 0, WIDE))
+    results = products, followed
+    work = np.zeros(PLANES * CHUNK), np.zeros((LINES + products.shape[1]) * CHUNK)
     for number in range(len(table)):
         row, factor = table[number], factor_of(certainty[number])
         band = pixels_around(grey, row[:STATE], (hole[number], reach), limits)
         wanted = weights[number].copy()
         for axis in range(2):
             solve(factor, wanted[axis])
-        found = weighed_sums(row, band, wanted, numbers, (products, followed))
+        found = weighed_sums(row, band, wanted, numbers, results, work)
         clean = without_clutter(band, found, abs(row[STATE] - row[STATE + 3]), limits)
         if clean[0].shape[1] < band[0].shape[1]:
-            weighed_sums(row, clean, wanted, numbers, (products, followed))
+            weighed_sums(row, clean, wanted, numbers, results, work)
         own = products[0, 0]  # the sum of the squares of both test functions of any harmonic
         scale = 1.0 / sqrt(max(own, TINY))
         for harmonic in range(len(numbers)):

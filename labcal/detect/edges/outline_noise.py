@@ -63,16 +63,17 @@ def outline_noise(
     radius = median_of(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2))
     harmonics = chosen_harmonics(radius, settings)
     nearest = neighbouring(harmonics)
-    numbers = np.union1d(harmonics.numbers, nearest.numbers)
+    numbers = np.array(sorted({*harmonics.numbers.tolist(), *nearest.numbers.tolist()}))
     sums = harmonic_sums(grey, table, fits, picture, numbers, settings.limits(EdgeLimits))
-    sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
-    step = (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE])
-    powers = own_powers(sums[:, np.isin(numbers, harmonics.numbers)], step)
+    deviation = np.sqrt(table[:, VARIANCE])
+    sums[..., :2] /= deviation[:, None, None]
+    step = (table[:, STATE] - table[:, STATE + 3]) / deviation
+    powers = own_powers(sums[:, np.searchsorted(numbers, harmonics.numbers)], step)
     ratio, error = long_wave_ratio(powers, 2.0 * pi * radius / harmonics.numbers, settings)
     factor = beside_flat_parts(ratio, error, flat, settings)
     if factor == 1.0:
         return OutlineNoise(factor, np.eye(2))
-    sums = sums[:, np.isin(numbers, nearest.numbers)]
+    sums = sums[:, np.searchsorted(numbers, nearest.numbers)]
     kept = without_shared_shape(sums[..., :2], step)
     return OutlineNoise(factor, noise_by_direction(kept, sums[..., 2], nearest, settings))
 

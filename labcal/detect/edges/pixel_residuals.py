@@ -33,11 +33,11 @@ def pixel_residuals(
         linearise(state, shading, chunk, count)
         copy_columns(planes[RESIDUAL : ALONG + 1], 0, found, (first, count))
         copy_columns(planes[ROWS : ROWS + 2], 0, found[3:], (first, count))
+    b0, b1, b2, d0, d1, d2 = shading[0], shading[1], shading[2], shading[3], shading[4], shading[5]
     for k in range(total, pixels.shape[1]):
         u, v = flattened(state, pixels[0, k], pixels[1, k])
         inside = u * u + v * v < 1.0
-        side = 3 if inside else 0
-        found[0, k] = pixels[2, k] - shading[side] - shading[side + 1] * u - shading[side + 2] * v
-        found[1, k] = -FAR if inside else FAR
+        shown = d0 + d1 * u + d2 * v if inside else b0 + b1 * u + b2 * v
+        found[0, k], found[1, k] = pixels[2, k] - shown, -FAR if inside else FAR
         found[2, k], found[3, k], found[4, k] = 0.0, 0.0, 0.0
     return found

@@ -20,10 +20,10 @@ from labcal.detect.edges.edge_model import (
 )
 from labcal.detect.row_products import HIGH, WIDE, add_products, copy_columns, filled_up
 
-_PROFILE, _SHARES, _TURN, _WAVE, _STEP, _SPARE, _TESTS = 0, 1, 2, 4, 6, 8, 10
-_LINES = _TESTS + WIDE
-"""Lines of a chunk: weight of a shift away from the centre; the residual times it; the angle, its multiples,
-and steps between these, as complex numbers; test functions of the first harmonic."""
+_PROFILE, _SHARES, _TURN, _STEP, _WAVE, _TESTS = 0, 1, 2, 4, 6, 8
+LINES = _TESTS + WIDE
+"""Lines of a chunk: weight of a shift away from the centre; the residual times it; the angle, a power of
+it and a harmonic as complex numbers; test functions of the first harmonic."""
 
 
 @compiled
@@ -33,6 +33,7 @@ def weighed_sums(
     wanted: np.ndarray,
     numbers: np.ndarray,
     results: tuple[np.ndarray, np.ndarray],
+    work: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
     """Sum residuals with the centre's weights by harmonic; return residuals and blurs from the edge, (2, n).
 
@@ -52,6 +53,9 @@ def weighed_sums(
         Overwritten. Shape (2, 1 + 2 k, filled up): first, above, the sum of the squares of all weights; then,
         below, the sums of residuals by cosine and sine of each harmonic. Shape (16, 4): the products of the
         derivatives with both test functions of the first harmonic; none if this is empty.
+    work : (ndarray, ndarray)
+        Workspace of PLANES chunks, and of LINES chunks and one more for each column of the first result; zeros
+        before the first call.
     """
     pixels, edge = band
     state, shading = row[:STATE], row[STATE : STATE + SHADING]
@@ -59,9 +63,9 @@ def weighed_sums(
     products[:] = 0.0
     followed[:] = 0.0
     found = np.empty((2, pixels.shape[1]))
-    chunk, space = np.zeros(PLANES * CHUNK), np.zeros(_LINES * CHUNK)
-    planes, lines = chunk.reshape(PLANES, CHUNK), space.reshape(_LINES, CHUNK)
-    waves = np.zeros((products.shape[1], CHUNK))
+    chunk, space = work
+    planes, lines = chunk.reshape(PLANES, CHUNK), space.reshape(-1, CHUNK)
+    waves = lines[LINES:]
     first = 0
     while first < pixels.shape[1]:
         flat = first >= edge
@@ -75,14 +79,14 @@ def weighed_sums(
         planes[:, count:width] = 0.0
         copy_columns(planes[RESIDUAL : BLURS_AWAY + 1], 0, found, (first, count))
         _weigh(state, wanted, (planes[ROWS + begin :], begin), (chunk, space), width)
-        _write_waves(space, numbers, waves, width)
+        _write_waves(space, numbers, width)
         add_products(lines[:HIGH], waves, (0, width), products)
         if len(followed) > 0:
             for k in range(width):
                 lines[_TESTS, k] = lines[_PROFILE, k] * waves[1, k]
                 lines[_TESTS + 1, k] = lines[_PROFILE, k] * waves[2, k]
             derivatives = planes[ROWS + begin : ROWS + PARAMETERS + HIGH]
-            add_products(derivatives, lines[_TESTS:], (0, width), followed[begin:])
+            add_products(derivatives, lines[_TESTS:LINES], (0, width), followed[begin:])
         first += count
     return found
 
@@ -119,8 +123,8 @@ def _weigh(
     rows, begin = derivatives
     chunk, space = work
     a, b, c = state[2], state[3], state[4]
-    lines = space.reshape(_LINES, CHUNK)
-    along_x, along_y = lines[_SPARE], lines[_SPARE + 1]
+    lines = space.reshape(-1, CHUNK)
+    along_x, along_y = lines[_WAVE], lines[_WAVE + 1]
     along_x[:width] = 0.0
     along_y[:width] = 0.0
     for i in range(begin, PARAMETERS):
@@ -130,7 +134,7 @@ def _weigh(
             along_y[k] += other * slope[k]
     for k in range(width):
         dx, dy = chunk[k] - state[0], chunk[CHUNK + k] - state[1]
-        wx, wy = space[_SPARE * CHUNK + k], space[(_SPARE + 1) * CHUNK + k]
+        wx, wy = space[_WAVE * CHUNK + k], space[(_WAVE + 1) * CHUNK + k]
         u, v = a * dx + b * dy, b * dx + c * dy
         share = 1.0 / sqrt(u * u + v * v + TINY)
         cosine, sine = u * share, v * share
@@ -140,10 +144,10 @@ def _weigh(
 
 
 @compiled
-def _write_waves(space: np.ndarray, numbers: np.ndarray, waves: np.ndarray, width: int) -> None:
-    """Write the weights away from the centre, and cosine and sine of every harmonic, into rows of a chunk."""
-    lines = space.reshape(_LINES, CHUNK)
-    copy_columns(lines[_PROFILE : _PROFILE + 1], 0, waves, (0, width))
+def _write_waves(space: np.ndarray, numbers: np.ndarray, width: int) -> None:
+    """Write the weights away from the centre, and cosine and sine of every harmonic, into the last lines."""
+    lines = space.reshape(-1, CHUNK)
+    copy_columns(lines[_PROFILE : _PROFILE + 1], 0, lines[LINES:], (0, width))
     apart = 0
     for j in range(len(numbers)):
         further = numbers[j] - (numbers[j - 1] if j > 0 else 0)
@@ -153,30 +157,31 @@ def _write_waves(space: np.ndarray, numbers: np.ndarray, waves: np.ndarray, widt
         if j == 0:
             copy_columns(lines[_STEP : _STEP + 2], 0, lines[_WAVE:], (0, width))
         else:
-            _multiply(space, (_WAVE, _STEP), width)
-        copy_columns(lines[_WAVE : _WAVE + 2], 0, waves[1 + 2 * j :], (0, width))
+            for k in range(width):
+                a, b = space[_WAVE * CHUNK + k], space[(_WAVE + 1) * CHUNK + k]
+                c, d = space[_STEP * CHUNK + k], space[(_STEP + 1) * CHUNK + k]
+                space[_WAVE * CHUNK + k], space[(_WAVE + 1) * CHUNK + k] = a * c - b * d, a * d + b * c
+        copy_columns(lines[_WAVE : _WAVE + 2], 0, lines[LINES + 1 + 2 * j :], (0, width))
 
 
 @compiled
 def _power(space: np.ndarray, exponent: int, width: int) -> None:
-    """Write the step that is a power of the angle, with an exponent of at least 1; the spare is overwritten."""
-    lines = space.reshape(_LINES, CHUNK)
+    """Write the step that is a power of the angle, with an exponent of at least 1.
+
+    Lines at constant places let the compiler take several pixels at a time.
+    """
+    lines = space.reshape(-1, CHUNK)
     copy_columns(lines[_TURN : _TURN + 2], 0, lines[_STEP:], (0, width))
     bit = 1
     while 2 * bit <= exponent:
         bit *= 2
     while bit > 1:
         bit //= 2
-        copy_columns(lines[_STEP : _STEP + 2], 0, lines[_SPARE:], (0, width))
-        _multiply(space, (_STEP, _SPARE), width)
+        for k in range(width):
+            a, b = space[_STEP * CHUNK + k], space[(_STEP + 1) * CHUNK + k]
+            space[_STEP * CHUNK + k], space[(_STEP + 1) * CHUNK + k] = a * a - b * b, 2.0 * a * b
         if exponent & bit:
-            _multiply(space, (_STEP, _TURN), width)
-
-
-@compiled
-def _multiply(space: np.ndarray, which: tuple[int, int], width: int) -> None:
-    """Multiply complex numbers by others, in place; the lines are those of their real parts."""
-    one, other = which[0] * CHUNK, which[1] * CHUNK
-    for k in range(width):
-        a, b, c, d = space[one + k], space[one + CHUNK + k], space[other + k], space[other + CHUNK + k]
-        space[one + k], space[one + CHUNK + k] = a * c - b * d, a * d + b * c
+            for k in range(width):
+                a, b = space[_STEP * CHUNK + k], space[(_STEP + 1) * CHUNK + k]
+                c, d = space[_TURN * CHUNK + k], space[(_TURN + 1) * CHUNK + k]
+                space[_STEP * CHUNK + k], space[(_STEP + 1) * CHUNK + k] = a * c - b * d, a * d + b * c

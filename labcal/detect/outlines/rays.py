@@ -112,7 +112,7 @@ def _ellipse(points: np.ndarray, found: np.ndarray, limits: RayLimits, terms: np
             if use[k]:
                 for i in range(_TERMS):
                     terms[i] += row[i]
-                    for j in range(_TERMS):
+                    for j in range(i + 1):
                         normal[i, j] += row[i] * row[j]
         for i in range(_TERMS):
             normal[i, i] += 1e-9
@@ -126,7 +126,13 @@ def _ellipse(points: np.ndarray, found: np.ndarray, limits: RayLimits, terms: np
         limit = max(
             limits.outlier_factor * np.median(residual), limits.outlier_share
         )  # the median of a spot without edges is infinite
-        use = found & (residual < limit)
+        changed = False
+        for k in range(count):
+            keep = found[k] and residual[k] < limit
+            changed |= keep != use[k]
+            use[k] = keep
+        if not changed:  # nor would the next fit be another
+            break
     if (
         use.sum() < limits.min_ray_share * count
         or terms[0] <= 0.0
