@@ -1,4 +1,4 @@
-"""Sums of residuals by harmonic: of white noise they have the power that is expected, harmonic by harmonic."""
+"""Sums of residuals by harmonic: of white noise they have the power that is expected."""
 
 import numpy as np
 import pytest
