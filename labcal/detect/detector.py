@@ -202,9 +202,9 @@ def _further(
 
 def _unique_ids(dots: list[FlaggedDot]) -> list[FlaggedDot]:
     """Return the dots with every id at most once; of two, neither can be trusted."""
-    count = Counter(dot.index for dot in dots if dot.index is not None)
+    count = Counter(dot.place for dot in dots if dot.place is not None)
     return [
-        dot if dot.index is None or count[dot.index] == 1 else dot._replace(index=None, flag=DotFlag.NO_ID)
+        dot if dot.place is None or count[dot.place] == 1 else dot._replace(place=None, flag=DotFlag.NO_ID)
         for dot in dots
     ]
 
@@ -216,8 +216,8 @@ def _collect(
     dots = sorted(
         dots,
         key=lambda dot: (
-            dot.index is None,
-            *(dot.index or (0, 0))[::-1],
+            dot.place is None,
+            *(dot.place or (0, 0))[::-1],
             float(dot.seen_at[1]),
             float(dot.seen_at[0]),
         ),
@@ -227,8 +227,8 @@ def _collect(
         size=size,
         polarity=polarity,
         refusal=refusal,
-        index=np.array([dot.index or (0, 0) for dot in dots], dtype=np.int64).reshape(-1, 2),
-        has_id=np.array([dot.index is not None for dot in dots], dtype=bool),
+        index=np.array([dot.place or (0, 0) for dot in dots], dtype=np.int64).reshape(-1, 2),
+        has_id=np.array([dot.place is not None for dot in dots], dtype=bool),
         position=_rows([missing[0] if dot.centre is None else dot.centre for dot in dots]),
         covariance=_rows(
             [missing if dot.covariance is None else dot.covariance for dot in dots],

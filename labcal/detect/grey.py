@@ -58,7 +58,7 @@ def clipping(grey: GreyPicture, share: float) -> tuple[float, float]:
     low, high, _, _ = cv2.minMaxLoc(grey)
     some = grey[:: 1 + grey.shape[0] // _ROWS]
     few = share * some.size
-    black, burnt = (cv2.countNonZero(cv2.compare(some, end, cv2.CMP_EQ)) > few for end in (low, high))
+    black, burnt = np.count_nonzero(some == low) > few, np.count_nonzero(some == high) > few
     return (low if black else -np.inf), (high if burnt else np.inf)
 
 

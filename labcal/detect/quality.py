@@ -21,9 +21,9 @@ from labcal.targets.grid import DotGrid
 
 
 class FlaggedDot(NamedTuple):
-    """One dot on its way into `PictureDots`; centre and covariance (px) only where it is measured."""
+    """One dot on its way into `PictureDots`; its `place` is (col, row), centre and covariance are in px."""
 
-    index: tuple[int, int] | None
+    place: tuple[int, int] | None
     flag: DotFlag
     seen_at: np.ndarray
     outline: np.ndarray

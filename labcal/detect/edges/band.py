@@ -38,22 +38,9 @@ def pixels_around(
     least, most = nearest**2, farthest**2
     edge_least, edge_most = max(1.0 - wide, 0.0) ** 2, (1.0 + wide) ** 2
     flat_least, flat_most = max(1.0 - flat, 0.0) ** 2, (1.0 + flat) ** 2
-    room = max(bottom - top + 1, 0) * max(right - left + 1, 0)
-    some, among = np.empty((3, room)), 0  # pixels that may be used: x, y, value
-    for y in range(top, bottom + 1):
-        dy = y - state[1]
-        # Of a row, what lies within the ellipse at `farthest` and beyond that at `nearest`, and a pixel more.
-        middle, apart = state[0] - xy * dy / xx, determinant * dy * dy
-        outer = sqrt(max(most * xx - apart, 0.0)) / xx + 1.0
-        inner = max(sqrt(max(least * xx - apart, 0.0)) / xx - 1.0, 0.0)
-        first, last = max(floor(middle - outer), left), min(ceil(middle + outer), right)
-        hole_from, hole_to = max(ceil(middle - inner), first), min(floor(middle + inner), last)
-        if hole_from < hole_to:
-            among = _add_row(grey, some, among, y, (first, hole_from))
-            first = hole_to
-        among = _add_row(grey, some, among, y, (first, last))
+    some, among = _pixels_of_ring(grey, state, (least, most), (left, right, top, bottom))
     of_edge, of_flat = np.empty(among, dtype=np.int64), np.empty(among, dtype=np.int64)
-    x_row, y_row, value_row = some[0], some[1], some[2]
+    x_row, y_row = some[0], some[1]
     for k in range(among):
         dx, dy = x_row[k] - state[0], y_row[k] - state[1]
         u, v = a * dx + b * dy, b * dx + c * dy
@@ -65,7 +52,43 @@ def pixels_around(
         edge = used & (edge_least < rho2) & (rho2 < edge_most) & near
         of_edge[k] = edge
         of_flat[k] = used & ~edge & (flat_least <= rho2) & (rho2 <= flat_most)
+    return _sorted(some, of_edge, of_flat)
+
+
+@compiled
+def _pixels_of_ring(
+    grey: np.ndarray, state: np.ndarray, squares: tuple[float, float], box: tuple[int, int, int, int]
+) -> tuple[np.ndarray, int]:
+    """Return x, y, value, (3, m), of the pixels in a box between two ellipses and some more; their number.
+
+    The ellipses are the outline, larger and smaller: with the squares of its flattened radius.
+    """
+    a, b, c = state[2], state[3], state[4]
+    xx, xy = a * a + b * b, b * (a + c)
+    determinant = (a * c - b * b) ** 2
+    left, right, top, bottom = box
+    some, among = np.empty((3, max(bottom - top + 1, 0) * max(right - left + 1, 0))), 0
+    for y in range(top, bottom + 1):
+        dy = y - state[1]
+        # Of a row, what lies within the larger one and beyond the smaller one, and a pixel more.
+        middle, apart = state[0] - xy * dy / xx, determinant * dy * dy
+        outer = sqrt(max(squares[1] * xx - apart, 0.0)) / xx + 1.0
+        inner = max(sqrt(max(squares[0] * xx - apart, 0.0)) / xx - 1.0, 0.0)
+        first, last = max(floor(middle - outer), left), min(ceil(middle + outer), right)
+        hole_from, hole_to = max(ceil(middle - inner), first), min(floor(middle + inner), last)
+        if hole_from < hole_to:
+            among = _add_row(grey, some, among, y, (first, hole_from))
+            first = hole_to
+        among = _add_row(grey, some, among, y, (first, last))
+    return some, among
+
+
+@compiled
+def _sorted(some: np.ndarray, of_edge: np.ndarray, of_flat: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return the pixels of the edge and then the flat ones, shape (3, n), and the number of the former."""
+    among = len(of_edge)
     pixels = np.empty((3, among + 1))  # with room for one that is not used
+    x_row, y_row, value_row = some[0], some[1], some[2]
     xs, ys, values = pixels[0], pixels[1], pixels[2]
     count, after = 0, among + 1
     for k in range(among):

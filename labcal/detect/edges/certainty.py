@@ -7,7 +7,7 @@ from labcal.detect.edges.edge_model import PARAMETERS, PRIORS, STATE
 
 _FACTOR = PARAMETERS * PARAMETERS
 CERTAINTY = _FACTOR + 2
-"""Numbers of a fit: the Cholesky factor, row by row, and the weights of the priors on shading and harmonic."""
+"""Numbers of a fit: the Cholesky factor, row by row, and the weights of priors on shading and harmonic."""
 _HARMONIC = STATE - 2
 """Number of the first parameter of the third harmonic."""
 

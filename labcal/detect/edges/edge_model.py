@@ -113,8 +113,7 @@ def linearise(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count: 
         cosine, sine = u * (u * u - 3.0 * v * v) * over, v * (3.0 * u * u - v * v) * over  # of 3 a
         t = (rho - 1.0 - harmonic_c * cosine - harmonic_s * sine) * rho * share * sharp
         t = min(max(t, -FAR), FAR)
-        # exp(-t^2 / 2), as the sixteenth power of a series that ends early; a compiler does not turn divisions
-        # by constants into products.
+        # exp(-t^2 / 2), as the sixteenth power of a series that ends early.
         x = 0.03125 * t * t
         e = 1.0 - 0.25 * x * (1.0 - 0.2 * x * (1.0 - _SIXTH * x * (1.0 - _SEVENTH * x * (1.0 - 0.125 * x))))
         e = 1.0 - x * (1.0 - 0.5 * x * (1.0 - _THIRD * x * e))

@@ -33,6 +33,7 @@ from labcal.detect.edges.residuals import (
     residual_statistics,
     slope_difference,
 )
+from labcal.detect.row_products import copy_columns
 
 _DETERMINED = 3
 """Column, in the row below the system, of the number of parameters that the pixels determine."""
@@ -49,16 +50,19 @@ def fit_all(
     picture: PictureLimits,
     limits: tuple[EdgeLimits, ResidualLimits],
     room: tuple[np.ndarray, np.ndarray],
-) -> np.ndarray:
-    """Fit dot after dot, from the states in `table` and into its rows; return which converged.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Fit dot after dot, from the states in `table` and into its rows; return which converged, and pixels.
 
     The limits of the picture are the reach (radii), the grey values at which it is clipped, that of no light,
-    and the step between the dots whose residuals are added to the first array of `room`. The second one,
-    shape (n, CERTAINTY), receives the factorised systems, see :mod:`~labcal.detect.edges.certainty`.
+    the step between the dots whose residuals are added to the first array of `room`, and that between the
+    dots whose pixels are kept. The second array, shape (n, CERTAINTY), receives the factorised systems, see
+    :mod:`~labcal.detect.edges.certainty`. Pixels, float32, shape (3, m), and the places of each dot's among
+    them, shape (n, 3), are as in :class:`~labcal.detect.edges.harmonics.KeptFits`.
     """
     edge, residual = limits
     sums, certainty = room
     ok = np.zeros(len(table), dtype=np.bool_)
+    kept, places, taken = np.empty((3, 0), dtype=np.float32), np.zeros((len(table), 3), dtype=np.int64), 0
     system = np.empty((PARAMETERS + 2, PARAMETERS + 2))
     work = np.empty(PLANES * CHUNK), np.empty((PRIORS, PARAMETERS + 1)), system
     for number in range(len(table)):
@@ -83,7 +87,17 @@ def fit_all(
         ok[number] = True
         if number % picture.noise_every == 0:
             add_scatter(pixels, found, residual.flat_blurs, sums[number // picture.noise_every])
-    return ok
+        if number % picture.outlines_every == 0:
+            count = pixels.shape[1]
+            if taken + count > kept.shape[1]:
+                left = 1 + (len(table) - number) // picture.outlines_every
+                larger = np.empty((3, taken + count * left + count * left // 4), dtype=np.float32)
+                copy_columns(kept, 0, larger, (0, taken))
+                kept = larger
+            copy_columns(pixels, 0, kept, (taken, count))
+            places[number, 0], places[number, 1], places[number, 2] = taken, band[1], count
+            taken += count
+    return ok, kept, places
 
 
 @compiled

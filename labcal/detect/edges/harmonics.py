@@ -8,10 +8,8 @@ from jaxtyping import Int
 
 from labcal.detect.cholesky import solve
 from labcal.detect.compiled import compiled
-from labcal.detect.edges.band import pixels_around, without_clutter
 from labcal.detect.edges.certainty import factor_of, held_by_priors
-from labcal.detect.edges.edge_limits import EdgeLimits
-from labcal.detect.edges.edge_model import CHUNK, PARAMETERS, PLANES, STATE, TINY
+from labcal.detect.edges.edge_model import CHUNK, PARAMETERS, PLANES, TINY
 from labcal.detect.edges.weighed_pixels import LINES, weighed_sums
 from labcal.detect.row_products import HIGH, WIDE
 
@@ -32,15 +30,33 @@ class Harmonics(NamedTuple):
         return self.first + self.stride * np.arange(self.terms)
 
 
+class KeptFits(NamedTuple):
+    """Parts of converged fits from which the residuals along their outlines follow.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (n, 2, PARAMETERS)
+        Weights of the fit's parameters in the centre that is stated.
+    certainty : ndarray, shape (n, CERTAINTY)
+        Factorised systems, see :mod:`~labcal.detect.edges.certainty`.
+    pixels : ndarray of float32, shape (3, m)
+        x, y and value of the pixels of all dots, those of a dot's edge before its flat ones.
+    places : ndarray of int, shape (n, 3)
+        A dot's first pixel, the number of its edge's pixels, and that of all.
+    """
+
+    weights: np.ndarray
+    certainty: np.ndarray
+    pixels: np.ndarray
+    places: np.ndarray
+
+    def select(self, which: np.ndarray) -> "KeptFits":
+        """Return some of the fits, by mask or by index."""
+        return KeptFits(self.weights[which], self.certainty[which], self.pixels, self.places[which])
+
+
 @compiled
-def harmonic_sums(
-    grey: np.ndarray,
-    table: np.ndarray,
-    fits: tuple[np.ndarray, np.ndarray],
-    picture: tuple[np.ndarray, float],
-    numbers: np.ndarray,
-    limits: EdgeLimits,
-) -> np.ndarray:
+def harmonic_sums(table: np.ndarray, fits: KeptFits, numbers: np.ndarray) -> np.ndarray:
     """Return sums of each dot's residuals by harmonic, and the power that white noise would have, (n, k, 3).
 
     The centre that is stated is a weighted sum of a dot's pixels. For a round dot the weight is a profile
@@ -54,39 +70,28 @@ def harmonic_sums(
 
     Parameters
     ----------
-    grey : ndarray, shape (h, w)
     table : ndarray, shape (n, COLUMNS)
         Converged fits, see :func:`~labcal.detect.edges.gauss_newton.fit_all`.
-    fits : (ndarray, ndarray)
-        Weights of the fit's parameters in the centre that is stated, shape (n, 2, PARAMETERS), and the
-        factorised systems, shape (n, CERTAINTY).
-    picture : (ndarray, float)
-        The holes of rings, shape (n,), and how far no other dot is met; radii.
+    fits : KeptFits
+        Of the same fits.
     numbers : ndarray of int, shape (k,)
         Of the harmonics, increasing, from 1 on.
-    limits : EdgeLimits
 
     Returns
     -------
     ndarray, shape (n, k, 3)
     """
-    weights, certainty = fits
-    hole, reach = picture
     sums = np.zeros((len(table), len(numbers), 3))
     products = np.empty((HIGH, WIDE * -(-(1 + 2 * len(numbers)) // WIDE)))
     followed = np.empty((PARAMETERS + HIGH if numbers[0] <= FOLLOWED else 0, WIDE))
     results = products, followed
     work = np.zeros(PLANES * CHUNK), np.zeros((LINES + products.shape[1]) * CHUNK)
     for number in range(len(table)):
-        row, factor = table[number], factor_of(certainty[number])
-        band = pixels_around(grey, row[:STATE], (hole[number], reach), limits)
-        wanted = weights[number].copy()
+        row, certainty = table[number], fits.certainty[number]
+        factor, wanted = factor_of(certainty), fits.weights[number].copy()
         for axis in range(2):
             solve(factor, wanted[axis])
-        found = weighed_sums(row, band, wanted, numbers, results, work)
-        clean = without_clutter(band, found, abs(row[STATE] - row[STATE + 3]), limits)
-        if clean[0].shape[1] < band[0].shape[1]:
-            weighed_sums(row, clean, wanted, numbers, results, work)
+        weighed_sums(row, (fits.pixels, fits.places[number]), wanted, numbers, results, work)
         own = products[0, 0]  # the sum of the squares of both test functions of any harmonic
         scale = 1.0 / sqrt(max(own, TINY))
         for harmonic in range(len(numbers)):
@@ -94,7 +99,7 @@ def harmonic_sums(
                 sums[number, harmonic, part] = products[1, 1 + 2 * harmonic + part] * scale
             sums[number, harmonic, 2] = min(own / TINY, 1.0)
         if len(followed) > 0:
-            lost = _followed_power(followed, factor, certainty[number]) / max(own, TINY)
+            lost = _followed_power(followed, factor, certainty) / max(own, TINY)
             sums[number, 0, 2] = max(sums[number, 0, 2] - lost, 0.0)
     return sums
 

@@ -6,13 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.detect.edges.edge_limits import EdgeLimits
 from labcal.detect.edges.edge_model import STATE
 from labcal.detect.edges.gamma_regression import gamma_regression
-from labcal.detect.edges.harmonics import Harmonics, harmonic_sums
+from labcal.detect.edges.harmonics import Harmonics, KeptFits, harmonic_sums
 from labcal.detect.edges.noise_direction import neighbouring, noise_by_direction
 from labcal.detect.edges.residuals import VARIANCE
-from labcal.detect.grey import GreyPicture
 from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.edge import EdgeSettings
 
@@ -30,25 +28,16 @@ class OutlineNoise(NamedTuple):
 
 
 def outline_noise(
-    grey: GreyPicture,
-    table: Float64[np.ndarray, "n c"],
-    fits: tuple[Float64[np.ndarray, "n 2 p"], Float64[np.ndarray, "n q"]],
-    picture: tuple[Float64[np.ndarray, " n"], float],
-    flat: float,
-    settings: EdgeSettings,
+    table: Float64[np.ndarray, "n c"], fits: KeptFits, flat: float, settings: EdgeSettings
 ) -> OutlineNoise:
     """Return the noise of a picture's outlines, for a shift; it is alike in all directions if it is white.
 
     Parameters
     ----------
-    grey : ndarray, shape (h, w)
     table : ndarray, shape (n, COLUMNS)
         Converged fits, see :func:`~labcal.detect.edges.gauss_newton.fit_all`.
-    fits : (ndarray, ndarray)
-        Weights of the fit's parameters in the centre that is stated, shape (n, 2, PARAMETERS), and the
-        factorised systems, shape (n, CERTAINTY).
-    picture : (ndarray, float)
-        The holes of rings, shape (n,), and how far no other dot is met; radii.
+    fits : KeptFits
+        Of the same fits.
     flat : float
         The same as the noise beside the outlines says. It counts the more the fewer dots there are, and if
         it is 1, that of white noise, it holds where chance explains what differs from it.
@@ -58,13 +47,12 @@ def outline_noise(
     if not some.any():
         return OutlineNoise(flat, np.eye(2))
     if not some.all():
-        table, fits = table[some], (fits[0][some], fits[1][some])
-        picture = (picture[0][some], picture[1])
+        table, fits = table[some], fits.select(some)
     radius = median_of(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2))
     harmonics = chosen_harmonics(radius, settings)
     nearest = neighbouring(harmonics)
     numbers = np.array(sorted({*harmonics.numbers.tolist(), *nearest.numbers.tolist()}))
-    sums = harmonic_sums(grey, table, fits, picture, numbers, settings.limits(EdgeLimits))
+    sums = harmonic_sums(table, fits, numbers)
     deviation = np.sqrt(table[:, VARIANCE])
     sums[..., :2] /= deviation[:, None, None]
     step = (table[:, STATE] - table[:, STATE + 3]) / deviation

@@ -6,9 +6,7 @@ import numpy as np
 
 from labcal.detect.compiled import compiled
 from labcal.detect.edges.edge_model import (
-    BLURS_AWAY,
     CHUNK,
-    FAR,
     PARAMETERS,
     PLANES,
     RESIDUAL,
@@ -29,13 +27,13 @@ it and a harmonic as complex numbers; test functions of the first harmonic."""
 @compiled
 def weighed_sums(
     row: np.ndarray,
-    band: tuple[np.ndarray, int],
+    band: tuple[np.ndarray, np.ndarray],
     wanted: np.ndarray,
     numbers: np.ndarray,
     results: tuple[np.ndarray, np.ndarray],
     work: tuple[np.ndarray, np.ndarray],
-) -> np.ndarray:
-    """Sum residuals with the centre's weights by harmonic; return residuals and blurs from the edge, (2, n).
+) -> None:
+    """Sum the residuals of a fit's pixels, with their weights in the centre, by harmonic.
 
     The pixels are gone through once, in chunks that stay in the nearest cache.
 
@@ -43,8 +41,9 @@ def weighed_sums(
     ----------
     row : ndarray
         State and shading of a fit.
-    band : (ndarray, int)
-        Pixels, shape (3, n), and how many of them are the edge's, which come first.
+    band : (ndarray, ndarray)
+        Pixels of several dots, shape (3, n), and the first one of this dot, the number of those of its edge,
+        which come first, and that of all.
     wanted : ndarray, shape (2, PARAMETERS)
         Weights of the derivatives of the pixels in the centre.
     numbers : ndarray of int, shape (k,)
@@ -54,30 +53,28 @@ def weighed_sums(
         below, the sums of residuals by cosine and sine of each harmonic. Shape (16, 4): the products of the
         derivatives with both test functions of the first harmonic; none if this is empty.
     work : (ndarray, ndarray)
-        Workspace of PLANES chunks, and of LINES chunks and one more for each column of the first result; zeros
-        before the first call.
+        Workspace of PLANES chunks, and of LINES chunks and one more for each column of the first result.
+        Zeros before the first call.
     """
-    pixels, edge = band
+    pixels, at, edge, total = band[0], band[1][0], band[1][1], band[1][2]
     state, shading = row[:STATE], row[STATE : STATE + SHADING]
     products, followed = results
     products[:] = 0.0
     followed[:] = 0.0
-    found = np.empty((2, pixels.shape[1]))
     chunk, space = work
     planes, lines = chunk.reshape(PLANES, CHUNK), space.reshape(-1, CHUNK)
     waves = lines[LINES:]
     first = 0
-    while first < pixels.shape[1]:
+    while first < total:
         flat = first >= edge
-        count = min(CHUNK, (pixels.shape[1] if flat else edge) - first)
+        count = min(CHUNK, (total if flat else edge) - first)
         width, begin = filled_up(count), STATE if flat else 0
-        copy_columns(pixels, first, planes, (0, count))
+        copy_columns(pixels, at + first, planes, (0, count))
         if flat:
             _level(state, shading, chunk, count)
         else:
             linearise(state, shading, chunk, count)
         planes[:, count:width] = 0.0
-        copy_columns(planes[RESIDUAL : BLURS_AWAY + 1], 0, found, (first, count))
         _weigh(state, wanted, (planes[ROWS + begin :], begin), (chunk, space), width)
         _write_waves(space, numbers, width)
         add_products(lines[:HIGH], waves, (0, width), products)
@@ -88,12 +85,11 @@ def weighed_sums(
             derivatives = planes[ROWS + begin : ROWS + PARAMETERS + HIGH]
             add_products(derivatives, lines[_TESTS:LINES], (0, width), followed[begin:])
         first += count
-    return found
 
 
 @compiled
 def _level(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count: int) -> None:
-    """Write the derivatives by the shading, residuals and distances of flat pixels as for those of an edge."""
+    """Write the derivatives by the shading and residuals of flat pixels as for those of an edge."""
     cx, cy, a, b, c = state[0], state[1], state[2], state[3], state[4]
     b0, b1, b2, d0, d1, d2 = shading[0], shading[1], shading[2], shading[3], shading[4], shading[5]
     for k in range(count):
@@ -105,7 +101,7 @@ def _level(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count: int
         chunk[13 * CHUNK + k], chunk[14 * CHUNK + k] = outside * v, inside
         chunk[15 * CHUNK + k], chunk[16 * CHUNK + k] = inside * u, inside * v
         shown = outside * (b0 + b1 * u + b2 * v) + inside * (d0 + d1 * u + d2 * v)
-        chunk[17 * CHUNK + k], chunk[18 * CHUNK + k] = chunk[2 * CHUNK + k] - shown, FAR * (outside - inside)
+        chunk[17 * CHUNK + k] = chunk[2 * CHUNK + k] - shown
 
 
 @compiled
@@ -139,7 +135,8 @@ def _weigh(
         share = 1.0 / sqrt(u * u + v * v + TINY)
         cosine, sine = u * share, v * share
         profile = (a * wx + b * wy) * cosine + (b * wx + c * wy) * sine
-        space[_PROFILE * CHUNK + k], space[_SHARES * CHUNK + k] = profile, profile * chunk[RESIDUAL * CHUNK + k]
+        space[_PROFILE * CHUNK + k] = profile
+        space[_SHARES * CHUNK + k] = profile * chunk[RESIDUAL * CHUNK + k]
         space[_TURN * CHUNK + k], space[(_TURN + 1) * CHUNK + k] = cosine, sine
 
 

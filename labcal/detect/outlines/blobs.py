@@ -42,10 +42,10 @@ class Level:
         scaled = np.empty(self.grey.shape, dtype=np.uint8)
         for top in range(0, len(self.grey), _ROWS_AT_ONCE):
             rows = slice(top, top + _ROWS_AT_ONCE)
-            above = cv2.max(cv2.subtract(self.grey[rows], self.low), 0.0)
+            above = self.grey[rows] - self.low
+            np.maximum(above, 0.0, out=above)
             scaled[rows] = cv2.convertScaleAbs(above, alpha=factor)
         return scaled
-
 
 
 class Pyramid:
@@ -108,7 +108,7 @@ def _range(grey: GreyPicture, cut_percent: float) -> tuple[float, float]:
 
 
 def _dark_contours(level: np.ndarray, settings: SegmentationSettings) -> list[np.ndarray]:
-    """Return the outer contours, each (n, 1, 2), of what is darker than half-way between the local extremes."""
+    """Return the outer contours (n, 1, 2) of what is darker than half-way between the local extremes."""
     smooth = cv2.GaussianBlur(level, (3, 3), settings.smoothing_px)
     side, busy_side = 2 * settings.threshold_reach_px + 1, 2 * settings.texture_reach_px + 1
     window = np.ones((side, side), np.uint8)

@@ -19,7 +19,9 @@ def noisy_discs(radius: float, seed: int) -> tuple[np.ndarray, Outlines]:
     for row in range(ROWS):
         for col in range(COLS):
             x, y = (col + 0.5) * side + rng.uniform(-1, 1), (row + 0.5) * side + rng.uniform(-1, 1)
-            X, Y = np.meshgrid(np.arange(col * side, (col + 1) * side), np.arange(row * side, (row + 1) * side))
+            X, Y = np.meshgrid(
+                np.arange(col * side, (col + 1) * side), np.arange(row * side, (row + 1) * side)
+            )
             light = 200.0 - 150.0 * ndtr((radius - np.hypot(X - x, Y - y)) / BLUR)
             picture[row * side : (row + 1) * side, col * side : (col + 1) * side] = light
             centre.append((x, y))
@@ -35,8 +37,8 @@ def test_white_noise_has_the_power_that_is_expected(radius: float, monkeypatch: 
     seen, expected, tables = [], [], []
     plain = module.harmonic_sums
 
-    def kept(grey, table, *rest):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN002, ANN202 -- as it is called
-        sums = plain(grey, table, *rest)
+    def kept(table, *rest):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN002, ANN202 -- as it is called
+        sums = plain(table, *rest)
         seen.append((sums[..., :2] ** 2).sum(axis=2))
         expected.append(sums[..., 2].copy())
         tables.append(table[:, VARIANCE])
