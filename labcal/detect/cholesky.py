@@ -43,25 +43,3 @@ def solve(factor: np.ndarray, right: np.ndarray) -> None:
         for k in range(i + 1, n):
             total -= factor[k, i] * right[k]
         right[i] = total / factor[i, i]
-
-
-@compiled
-def solve_columns(factor: np.ndarray, right: np.ndarray) -> None:
-    """Solve as :func:`solve` does for every column of `right`, in place, with the same bytes."""
-    n, sides = right.shape
-    for i in range(n):
-        row = right[i]
-        for k in range(i):
-            weight, known = factor[i, k], right[k]
-            for side in range(sides):
-                row[side] -= weight * known[side]
-        for side in range(sides):
-            row[side] /= factor[i, i]
-    for i in range(n - 1, -1, -1):
-        row = right[i]
-        for k in range(i + 1, n):
-            weight, known = factor[k, i], right[k]
-            for side in range(sides):
-                row[side] -= weight * known[side]
-        for side in range(sides):
-            row[side] /= factor[i, i]

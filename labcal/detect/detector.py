@@ -137,8 +137,9 @@ def _detect(
     dots = flag_dots(in_falling_light(fits), predictor, numbering, target, settings)
     dots += [FlaggedDot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in unmeasured]
     unnamed = _unnamed(outlines.joined(candidates.cut), set(spots))
-    typical = median_of(outlines.radius[spots])
-    dots += _further(unnamed, typical, np.array([dot.seen_at for dot in dots]), settings.quality)
+    if unnamed:
+        typical = median_of(outlines.radius[spots])
+        dots += _further(unnamed, typical, np.array([dot.seen_at for dot in dots]), settings.quality)
     return with_symmetric_numberings(_collect(_unique_ids(dots), size, polarity, None), target)
 
 
@@ -201,9 +202,9 @@ def _further(
 
 def _unique_ids(dots: list[FlaggedDot]) -> list[FlaggedDot]:
     """Return the dots with every id at most once; of two, neither can be trusted."""
-    count = Counter(dot.index for dot in dots if dot.index is not None)
+    count = Counter(dot.place for dot in dots if dot.place is not None)
     return [
-        dot if dot.index is None or count[dot.index] == 1 else replace(dot, index=None, flag=DotFlag.NO_ID)
+        dot if dot.place is None or count[dot.place] == 1 else dot._replace(place=None, flag=DotFlag.NO_ID)
         for dot in dots
     ]
 
@@ -215,8 +216,8 @@ def _collect(
     dots = sorted(
         dots,
         key=lambda dot: (
-            dot.index is None,
-            *(dot.index or (0, 0))[::-1],
+            dot.place is None,
+            *(dot.place or (0, 0))[::-1],
             float(dot.seen_at[1]),
             float(dot.seen_at[0]),
         ),
@@ -226,16 +227,19 @@ def _collect(
         size=size,
         polarity=polarity,
         refusal=refusal,
-        index=np.array([dot.index or (0, 0) for dot in dots], dtype=np.int64).reshape(-1, 2),
-        has_id=np.array([dot.index is not None for dot in dots], dtype=bool),
-        position=np.array([missing[0] if dot.centre is None else dot.centre for dot in dots], float).reshape(
-            -1, 2
-        ),
-        covariance=np.array(
-            [missing if dot.covariance is None else dot.covariance for dot in dots], float
+        index=np.array([dot.place or (0, 0) for dot in dots], dtype=np.int64).reshape(-1, 2),
+        has_id=np.array([dot.place is not None for dot in dots], dtype=bool),
+        position=_rows([missing[0] if dot.centre is None else dot.centre for dot in dots]),
+        covariance=_rows(
+            [missing if dot.covariance is None else dot.covariance for dot in dots],
         ).reshape(-1, 2, 2),
         misfit=np.array([dot.misfit for dot in dots], dtype=np.float64),
-        flag=tuple(dot.flag for dot in dots),
-        seen_at=np.array([dot.seen_at for dot in dots], float).reshape(-1, 2),
-        outline=np.array([dot.outline for dot in dots], float).reshape(-1, 2, 2),
+        flag=tuple([dot.flag for dot in dots]),
+        seen_at=_rows([dot.seen_at for dot in dots]),
+        outline=_rows([dot.outline for dot in dots]).reshape(-1, 2, 2),
     )
+
+
+def _rows(parts: list[np.ndarray]) -> np.ndarray:
+    """Return arrays, shape (2,) or (2, 2), as the rows of one, shape (n, 2); faster than `numpy.array`."""
+    return np.concatenate(parts, axis=None).reshape(-1, 2) if parts else np.zeros((0, 2))

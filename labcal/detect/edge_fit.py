@@ -6,9 +6,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
+from labcal.detect.edges.certainty import CERTAINTY
 from labcal.detect.edges.edge_limits import EdgeLimits, PictureLimits
 from labcal.detect.edges.edge_model import STATE, TINY
 from labcal.detect.edges.gauss_newton import fit_all
+from labcal.detect.edges.harmonics import KeptFits
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.one_light import OneLight
 from labcal.detect.edges.outline_noise import outline_noise
@@ -119,16 +121,20 @@ def fit_edges(
     table[:, 5] = np.clip(spots.blur, settings.first_blur_px, settings.max_first_blur_radii * spots.radius)
     every = max(1, -(-count // settings.noise_dots))
     sums = np.zeros((-(-count // every), LAGS, SUMS))
-    picture = PictureLimits(reach, *clipping(grey, settings.clipped_value_share), black, every)
+    outlines_every = max(1, -(-count // settings.noise_outlines))
+    clipped = clipping(grey, settings.clipped_value_share)
+    picture = PictureLimits(reach, *clipped, black, every, outlines_every)
     limits = settings.limits(EdgeLimits), settings.limits(ResidualLimits)
-    ok = fit_all(grey, table, hole, picture, limits, sums)
+    certainty = np.zeros((count, CERTAINTY))
+    ok, pixels, places = fit_all(grey, table, hole, picture, limits, (sums, certainty))
     table[~ok] = np.nan
     flat = noise_factor(sums, settings)
     light = OneLight.of(table, flat, settings)
     some = np.flatnonzero(ok)
-    some = some[:: max(1, -(-len(some) // settings.noise_outlines))]
+    some = some[some % outlines_every == 0]
     weights = light.select(some).weights(table[some], black)
-    noise = outline_noise(grey, table[some], weights, (hole[some], reach), flat, settings)
+    kept = KeptFits(weights, certainty[some], pixels, places[some])
+    noise = outline_noise(table[some], kept, flat, settings)
     F = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
     covariance = light.covariances(table, noise.factor)
     if noise.factor != 1.0:

@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float64, Int64
 
 from labcal.arrays import Pixels
 from labcal.detect.edge_fit import EdgeFits
+from labcal.detect.nearest_planes import nearest_planes
 
 _NEIGHBOURS = 12
 """Dots around a dot whose levels tell the slope of the light there: those within two pitches of a grid."""
@@ -17,8 +17,6 @@ _MOST_OBLONG = 1e-3
 _MOST_ADDED = 0.0025
 """Variance that the slope may add to a centre, over the centre's: where light falls in a step, the scatter of
 the levels about a plane is large."""
-_TOGETHER = 256
-"""Dots whose neighbours are looked for at once."""
 _DARKEST = 1e-6
 """Of a level, grey values."""
 
@@ -71,34 +69,8 @@ def _slopes(fits: EdgeFits) -> Pixels:
         return slopes
     place = fits.centre[some]
     level = np.log(np.maximum(np.maximum(fits.board, fits.dot)[some], _DARKEST))
-    near = _nearest(place, min(_NEIGHBOURS + 1, len(some)))
-    around, variance = _planes(place[near], level[near])
+    around, variance = nearest_planes(place, level, min(_NEIGHBOURS + 1, len(some)), _MOST_OBLONG)
     added = fits.blur[some] ** 4 * variance
-    tells = added < _MOST_ADDED * np.trace(fits.covariance[some], axis1=1, axis2=2)
+    tells = added < _MOST_ADDED * (fits.covariance[some, 0, 0] + fits.covariance[some, 1, 1])
     slopes[some[tells]] = around[tells]
     return slopes
-
-
-def _nearest(place: Pixels, count: int) -> Int64[np.ndarray, "n count"]:
-    """Return the numbers of the nearest places of each place, itself among them; by parts, for memory."""
-    parts = []
-    for first in range(0, len(place), _TOGETHER):
-        apart = ((place[first : first + _TOGETHER, None] - place) ** 2).sum(axis=2)
-        parts.append(np.argpartition(apart, count - 1, axis=1)[:, :count])
-    return np.concatenate(parts)
-
-
-def _planes(
-    place: Float64[np.ndarray, "n k 2"], level: Float64[np.ndarray, "n k"]
-) -> tuple[Pixels, Float64[np.ndarray, " n"]]:
-    """Return the slopes of planes through levels by least squares, and the sum of their two variances."""
-    away, off = place - place.mean(axis=1, keepdims=True), level - level.mean(axis=1, keepdims=True)
-    (xx, xy), (_, yy) = np.einsum("nki,nkj->ijn", away, away)
-    x, y = np.einsum("nki,nk->in", away, off)
-    determinant, trace = xx * yy - xy * xy, xx + yy
-    known = determinant > _MOST_OBLONG * trace**2
-    over = 1.0 / np.where(known, determinant, 1.0)
-    slopes = np.stack([(yy * x - xy * y) * over, (xx * y - xy * x) * over], axis=-1)
-    left = off - np.einsum("nki,ni->nk", away, slopes)
-    variance = (left**2).sum(axis=1) / (place.shape[1] - 3) * trace * over
-    return slopes, np.where(known, variance, np.inf)

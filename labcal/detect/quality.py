@@ -1,6 +1,7 @@
 """Stage 4, quality: which dots are measurements."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,11 +20,10 @@ from labcal.geometry.two_by_two import eigenvalues
 from labcal.targets.grid import DotGrid
 
 
-@dataclass(frozen=True)
-class FlaggedDot:
-    """One dot on its way into `PictureDots`; centre and covariance (px) only where it is measured."""
+class FlaggedDot(NamedTuple):
+    """One dot on its way into `PictureDots`; its `place` is (col, row), centre and covariance are in px."""
 
-    index: tuple[int, int] | None
+    place: tuple[int, int] | None
     flag: DotFlag
     seen_at: np.ndarray
     outline: np.ndarray

@@ -16,8 +16,9 @@ from labcal.detect.compiled import compiled
 
 LANES = 4
 """Partial sums of a product. Rows are this long or a multiple of it: what is too much of them is 0."""
-HIGH, WIDE = 2, 4
+HIGH, WIDE = 2, 2
 """Rows on the left, and on the right, of which all pairs are multiplied at a time: loads are shared."""
+# With four rows on the right a triangle takes a third longer: more of what is above its diagonal is computed.
 
 Code = Callable[[BaseContext, ir.IRBuilder, Signature, Sequence[ir.Value]], ir.Value]
 """A function that writes instructions, and returns where their result is."""
@@ -37,14 +38,14 @@ def add_products(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sum
     left : ndarray, shape (m, n)
         m is a multiple of 2, n of 4.
     right : ndarray, shape (p, n)
-        p is a multiple of 4.
+        p is a multiple of 2.
     part : (int, int)
         First column and the one after the last; their difference is a multiple of 4.
     sums : ndarray, shape (m, p)
     """
     for i in range(0, left.shape[0], HIGH):
         for j in range(0, right.shape[0], WIDE):
-            add_tile(left[i : i + HIGH], right[j : j + WIDE], part, sums[i : i + HIGH, j : j + WIDE])
+            _add_tile((left, i), (right, j), part, sums)
 
 
 @compiled
@@ -54,14 +55,14 @@ def add_own_products(rows: np.ndarray, width: int, sums: np.ndarray) -> None:
     Parameters
     ----------
     rows : ndarray, shape (m, n)
-        m is a multiple of 4.
+        m is a multiple of 2.
     width : int
         So many columns count, a multiple of 4.
     sums : ndarray, shape (m, m)
     """
     for i in range(0, rows.shape[0], HIGH):
         for j in range(0, i + HIGH, WIDE):
-            add_tile(rows[i : i + HIGH], rows[j : j + WIDE], (0, width), sums[i : i + HIGH, j : j + WIDE])
+            _add_tile((rows, i), (rows, j), (0, width), sums)
 
 
 @compiled
@@ -85,45 +86,56 @@ def copy_columns(source: np.ndarray, at: int, target: np.ndarray, place: tuple[i
 
 
 @compiled
-def add_tile(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sums: np.ndarray) -> None:
-    """Add the products of two rows with four rows to `sums`, shape (2, 4), see :func:`add_products`."""
-    tile = _TILE(left, right, part[0], part[1])
+def _add_tile(
+    left: tuple[np.ndarray, int], right: tuple[np.ndarray, int], part: tuple[int, int], sums: np.ndarray
+) -> None:
+    """Add the products of some rows on the left with some on the right, from a number of each on."""
+    tile = _TILE(left[0], left[1], right[0], right[1], part)
     for i in range(HIGH):
         for j in range(WIDE):
-            sums[i, j] += tile[WIDE * i + j]
+            sums[left[1] + i, right[1] + j] += tile[WIDE * i + j]
 
 
 def _tile_code(
-    _context: TypingContext, left: types.Array, right: types.Array, first: types.Type, last: types.Type
+    _context: TypingContext,
+    left: types.Array,
+    upper: types.Type,
+    right: types.Array,
+    lower: types.Type,
+    part: types.Type,
 ) -> tuple[Signature, Code]:
-    """Return the eight products of two rows with four rows, one row after the other."""
+    """Return the products of rows on the left with rows on the right, from one row of each on."""
     returned = types.UniTuple(types.float64, HIGH * WIDE)  # type: ignore[no-untyped-call]
 
     def code(
         context: BaseContext, builder: ir.IRBuilder, signature: Signature, arguments: Sequence[ir.Value]
     ) -> ir.Value:
-        rows = []
-        for kind, value, count in zip(signature.args, arguments, (HIGH, WIDE), strict=False):
-            proxy = cgutils.create_struct_proxy(kind)  # type: ignore[no-untyped-call]
-            rows += [_row(builder, proxy(context, builder, value=value), number) for number in range(count)]
+        kinds, rows = signature.args, []
+        for at, count in ((0, HIGH), (2, WIDE)):
+            proxy = cgutils.create_struct_proxy(kinds[at])  # type: ignore[no-untyped-call]
+            array = proxy(context, builder, value=arguments[at])
+            first = context.cast(builder, arguments[at + 1], kinds[at + 1], types.intp)  # type: ignore[no-untyped-call]
+            rows += [_row(builder, array, first, number) for number in range(count)]
         begin, end = (
-            context.cast(builder, value, kind, types.intp)  # type: ignore[no-untyped-call]
-            for kind, value in zip(signature.args[2:], arguments[2:], strict=True)
+            context.cast(builder, builder.extract_value(arguments[4], k), kinds[4][k], types.intp)  # type: ignore[no-untyped-call]
+            for k in range(2)
         )
         totals = [_all_lanes(builder, total) for total in _summed(builder, rows, (begin, end))]
         return context.make_tuple(builder, returned, totals)  # type: ignore[no-untyped-call]
 
-    return returned(left, right, first, last), code
+    return returned(left, upper, right, lower, part), code
 
 
-_TILE = cast("Callable[[np.ndarray, np.ndarray, int, int], tuple[float, ...]]", intrinsic(_tile_code))
+_TILE = cast(
+    "Callable[[np.ndarray, int, np.ndarray, int, tuple[int, int]], tuple[float, ...]]", intrinsic(_tile_code)
+)
 
 
-def _row(builder: ir.IRBuilder, array: cgutils.ValueStructProxy, number: int) -> ir.Value:
-    """Return the address of a row of a two-dimensional array, whose rows are without gaps."""
+def _row(builder: ir.IRBuilder, array: cgutils.ValueStructProxy, first: ir.Value, number: int) -> ir.Value:
+    """Return the address of the row `number` behind the first, in an array whose rows are without gaps."""
     stride = builder.extract_value(array.strides, 0)
     start = builder.ptrtoint(array.data, _INDEX)
-    place = builder.add(start, builder.mul(stride, ir.Constant(_INDEX, number)))
+    place = builder.add(start, builder.mul(stride, builder.add(first, ir.Constant(_INDEX, number))))
     return builder.inttoptr(place, _DOUBLE.as_pointer())
 
 

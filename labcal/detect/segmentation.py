@@ -7,7 +7,7 @@ import numpy as np
 
 from labcal.arrays import PixelCovariances
 from labcal.detect.grey import GreyPicture, is_flat
-from labcal.detect.outlines.blobs import Blobs, blobs_of, joined, pyramid
+from labcal.detect.outlines.blobs import Blobs, Pyramid, blobs_of, joined
 from labcal.detect.outlines.outlines import Outlines, inside_frame, trace_outlines
 from labcal.detect.stage_settings.segmentation import SegmentationSettings
 from labcal.geometry.two_by_two import eigenvalues
@@ -53,21 +53,24 @@ def segmentations(grey: GreyPicture, target: DotGrid, settings: SegmentationSett
     target : DotGrid
     settings : SegmentationSettings
     """
-    levels = [] if is_flat(grey) else pyramid(grey, settings)  # however large: there is nothing to look at
-    if not levels:
+    levels = Pyramid(grey, settings)
+    if is_flat(grey) or not levels.scales:  # however large: there is nothing to look at
         nothing = joined([])
         outlines = trace_outlines(grey, nothing, target, settings)
         yield _candidates(grey, nothing, outlines, (np.inf, 0.0))
         return
-    start = next((k for k, level in enumerate(levels) if max(level.grey.shape) <= settings.coarse_side_px), 0)
-    looks = [slice(start, start + 1), *(slice(finest, None) for finest in range(start, -1, -1))]
+    count, longest = len(levels.scales), max(grey.shape)
+    start = next((k for k in range(count) if longest >> k <= settings.coarse_side_px), 0)
+    looks = [range(start, start + 1), *(range(finest, count) for finest in range(start, -1, -1))]
     blobs: dict[int, Blobs] = {}
+    first = True
     for look in looks:
-        for number, level in enumerate(levels[look], start=look.start):
+        for number in look:
             if number not in blobs:
-                blobs[number] = blobs_of(level, settings)
-        largest = levels[start].scale * settings.max_spot_axis_px if look.stop else np.inf
-        smallest = settings.min_resolved_axis_px * levels[look.start].scale
+                blobs[number] = blobs_of(levels.level(number), settings)
+        largest = levels.scales[start] * settings.max_spot_axis_px if first else np.inf
+        first = False
+        smallest = settings.min_resolved_axis_px * levels.scales[look.start]
         found = joined([blobs[number] for number in sorted(blobs)])
         outlines = trace_outlines(grey, found, target, settings)
         yield _candidates(grey, found, outlines, (smallest, largest))

@@ -46,18 +46,15 @@ def unmeasured_dots(
         Returns whether a node belongs to the declared grid: only such ones can be hidden.
     settings : QualitySettings
     """
-    span, spots = (-1, 0, 1), predictor.lattice.spots
-    beside = {(a + i, b + j) for a, b in spots for i in span for j in span}
-    expected = predictor.predict(sorted(beside - spots.keys()))
-    if not expected:
+    spots = predictor.lattice.spots
+    beside = _beside(np.array(list(spots)))
+    known, _, position, _, shape, neighbours = predictor.predicted(beside)
+    if len(known) == 0:
         return []
-    nodes, predictions = list(expected), list(expected.values())
-    position = np.array([prediction.position for prediction in predictions])
-    shape = np.array([prediction.outline for prediction in predictions])
-    neighbours = np.array([prediction.neighbours for prediction in predictions])
+    nodes: list[Node] = [(int(a), int(b)) for a, b in beside[known].tolist()]
     cut = _cut(position, shape, blobs, size, settings)
-    likely = neighbours >= settings.unclean_neighbours
-    unclean = np.where(likely, _unclean(position, shape, blobs, settings), -1)
+    likely, unclean = neighbours >= settings.unclean_neighbours, np.full(len(nodes), -1)
+    unclean[likely] = _unclean(position[likely], shape[likely], blobs, settings)
     in_picture = inside_frame(position, shape, size, 0.0) & (neighbours >= settings.hidden_neighbours)
     nothing = np.full((2, 2), np.nan)
     unmeasured = []
@@ -69,9 +66,25 @@ def unmeasured_dots(
             unmeasured.append(UnmeasuredDot(node, DotFlag.BAD_FIT, blobs.centre[spot], blobs.shape[spot]))
         elif in_picture[k] and declared(node):
             unmeasured.append(UnmeasuredDot(node, DotFlag.HIDDEN, position[k], nothing))
+    if not unmeasured:
+        return []
     taken = predictor.outlines.centre[list(spots.values())]
     radius = dict(zip(nodes, mean_radius(shape), strict=True))
     return [dot for dot in unmeasured if np.hypot(*(taken - dot.seen_at).T).min() > radius[dot.node]]
+
+
+def _beside(nodes: Int64[np.ndarray, "n 2"]) -> Int64[np.ndarray, "m 2"]:
+    """Return the nodes next to some others, sorted."""
+    low = nodes.min(axis=0) - 1
+    held = np.zeros(nodes.max(axis=0) - low + 2, dtype=bool)
+    held[tuple((nodes - low).T)] = True
+    near = held.copy()
+    near[1:] |= held[:-1]
+    near[:-1] |= held[1:]
+    rows = near.copy()
+    near[:, 1:] |= rows[:, :-1]
+    near[:, :-1] |= rows[:, 1:]
+    return np.asarray(np.argwhere(near & ~held) + low)
 
 
 def _cut(
@@ -103,7 +116,7 @@ def _unclean(
 ) -> Int64[np.ndarray, " n"]:
     """Return the whole spots of about the right size at places of dots; -1 where there is none."""
     spots = np.flatnonzero(~blobs.cut)
-    if len(spots) == 0:
+    if len(spots) == 0 or len(position) == 0:
         return np.full(len(position), -1)
     radius = mean_radius(shape)[:, None]
     distance = np.linalg.norm(blobs.centre[spots] - position[:, None], axis=2) / radius

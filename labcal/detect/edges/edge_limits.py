@@ -37,3 +37,4 @@ class PictureLimits(NamedTuple):
     clipped_white: float
     black: float
     noise_every: int
+    outlines_every: int

@@ -28,6 +28,9 @@ FAR = 6.0
 PRIORS = 4
 """Rows of the priors on what a small dot does not determine: shading across it, and the third harmonic."""
 TINY = 1e-30
+_THIRD, _SIXTH, _SEVENTH = 1.0 / 3.0, 1.0 / 6.0, 1.0 / 7.0
+_SIDE = 4
+"""Rows of the flat pixels of one side: 1, x, y, g."""
 
 
 @compiled
@@ -49,7 +52,7 @@ def normal_equations(
     system[:] = 0.0
     total = edge.shape[1]
     planes = chunk.reshape(PLANES, CHUNK)
-    rows = planes[ROWS : ROWS + PARAMETERS + 2]  # the last for its place: they are taken in fours
+    rows = planes[ROWS : ROWS + PARAMETERS + 2]  # the last for its place: they are taken in pairs
     for first in range(0, total, CHUNK):
         count = min(CHUNK, total - first)
         copy_columns(edge, first, planes, (0, count))
@@ -57,25 +60,6 @@ def normal_equations(
         rows[:, count : filled_up(count)] = 0.0
         add_own_products(rows, filled_up(count), system)
     _add_the_rest(state, shading, (moments, total), expected, (priors, system))
-
-
-@compiled
-def equations_of(
-    state: np.ndarray,
-    shading: np.ndarray,
-    edge: tuple[np.ndarray, int],
-    moments: np.ndarray,
-    expected: tuple[float, float],
-    work: tuple[np.ndarray, np.ndarray],
-) -> None:
-    """Sum the normal equations as :func:`normal_equations` does from rows of the edge's derivatives.
-
-    The rows are those of a chunk from the derivatives on, (16, m), so many of them as pixels and then zeros.
-    """
-    rows, total = edge
-    work[1][:] = 0.0
-    add_own_products(rows, filled_up(total), work[1])
-    _add_the_rest(state, shading, (moments, total), expected, work)
 
 
 @compiled
@@ -121,17 +105,18 @@ def linearise(state: np.ndarray, shading: np.ndarray, chunk: np.ndarray, count: 
         dx, dy = chunk[k] - cx, chunk[CHUNK + k] - cy
         u, v = a * dx + b * dy, b * dx + c * dy
         gx, gy = a * u + b * v, b * u + c * v
-        share = 1.0 / sqrt(gx * gx + gy * gy + 1e-18)
         rho2 = u * u + v * v
-        rho = sqrt(rho2)
-        over = 1.0 / (rho2 * rho + 1e-18)
+        rho, slope = sqrt(rho2), sqrt(gx * gx + gy * gy + 1e-18)
+        cube = rho2 * rho + 1e-18
+        over_both = 1.0 / (cube * slope)  # one division for two: they take longest
+        share, over = over_both * cube, over_both * slope
         cosine, sine = u * (u * u - 3.0 * v * v) * over, v * (3.0 * u * u - v * v) * over  # of 3 a
         t = (rho - 1.0 - harmonic_c * cosine - harmonic_s * sine) * rho * share * sharp
         t = min(max(t, -FAR), FAR)
         # exp(-t^2 / 2), as the sixteenth power of a series that ends early.
         x = 0.03125 * t * t
-        e = 1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0 * (1.0 - x / 7.0 * (1.0 - x / 8.0))))
-        e = 1.0 - x * (1.0 - x / 2.0 * (1.0 - x / 3.0 * e))
+        e = 1.0 - 0.25 * x * (1.0 - 0.2 * x * (1.0 - _SIXTH * x * (1.0 - _SEVENTH * x * (1.0 - 0.125 * x))))
+        e = 1.0 - x * (1.0 - 0.5 * x * (1.0 - _THIRD * x * e))
         e = e * e
         e = e * e
         e = e * e
@@ -179,29 +164,36 @@ def _write_priors(
 
 
 @compiled
-def flat_moments(start: np.ndarray, shading: np.ndarray, flat: np.ndarray, moments: np.ndarray) -> None:
+def flat_moments(
+    start: np.ndarray, shading: np.ndarray, flat: np.ndarray, chunk: np.ndarray, moments: np.ndarray
+) -> None:
     """Sum up the flat pixels of the board and of the dot, about the start's centre and levels.
 
     A flat pixel is linear in the shading, and what it adds to the normal equations follows from its side's
-    moments: they are summed up once, however often the fit steps.
+    moments: they are summed up once, however often the fit steps. The chunk is workspace.
     """
-    moments[:] = 0.0
-    for k in range(flat.shape[1]):
-        x, y = flat[0, k] - start[0], flat[1, k] - start[1]
-        u, v = flattened(start, flat[0, k], flat[1, k])
-        side = int(u * u + v * v < 1.0)
-        row, g = moments[side], flat[2, k] - shading[3 * side]
-        row[0] += 1.0
-        row[1] += x
-        row[2] += y
-        row[3] += x * x
-        row[4] += x * y
-        row[5] += y * y
-        row[6] += g
-        row[7] += g * x
-        row[8] += g * y
-        row[9] += g * g
+    rows, sums = chunk.reshape(PLANES, CHUNK)[: 2 * _SIDE], np.zeros((2 * _SIDE, 2 * _SIDE))
+    cx, cy, board, dot = start[0], start[1], shading[0], shading[3]
+    for first in range(0, flat.shape[1], CHUNK):
+        count = min(CHUNK, flat.shape[1] - first)
+        copy_columns(flat, first, chunk.reshape(PLANES, CHUNK)[2 * _SIDE :], (0, count))
+        for k in range(count):
+            x, y = chunk[8 * CHUNK + k] - cx, chunk[9 * CHUNK + k] - cy
+            value = chunk[10 * CHUNK + k]
+            u, v = start[2] * x + start[3] * y, start[3] * x + start[4] * y
+            inside = 1.0 if u * u + v * v < 1.0 else 0.0
+            outside = 1.0 - inside
+            chunk[k], chunk[CHUNK + k], chunk[2 * CHUNK + k] = outside, outside * x, outside * y
+            chunk[3 * CHUNK + k] = outside * (value - board)
+            chunk[4 * CHUNK + k], chunk[5 * CHUNK + k], chunk[6 * CHUNK + k] = inside, inside * x, inside * y
+            chunk[7 * CHUNK + k] = inside * (value - dot)
+        rows[:, count : filled_up(count)] = 0.0
+        add_own_products(rows, filled_up(count), sums)
     for side in range(2):
+        i = _SIDE * side
+        one, x, y, g = sums[i], sums[i + 1], sums[i + 2], sums[i + 3]
+        moments[side, :6] = one[i], x[i], y[i], x[i + 1], y[i + 1], y[i + 2]
+        moments[side, 6:10] = g[i], g[i + 1], g[i + 2], g[i + 3]
         moments[side, 10:] = start[0], start[1], shading[3 * side]
 
 

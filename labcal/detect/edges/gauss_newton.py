@@ -7,24 +7,21 @@ import numpy as np
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 from labcal.detect.edges.band import pixels_around, without_clutter
+from labcal.detect.edges.certainty import write_certainty
 from labcal.detect.edges.edge_limits import EdgeLimits, PictureLimits
 from labcal.detect.edges.edge_model import (
-    ALONG,
     CHUNK,
-    FAR,
     MOMENTS,
     PARAMETERS,
     PLANES,
     PRIORS,
-    RESIDUAL,
-    ROWS,
     SHADING,
     STATE,
     flat_moments,
     flattened,
-    linearise,
     normal_equations,
 )
+from labcal.detect.edges.pixel_residuals import pixel_residuals
 from labcal.detect.edges.residuals import (
     BURNT,
     CLIPPED,
@@ -52,15 +49,20 @@ def fit_all(
     hole: np.ndarray,
     picture: PictureLimits,
     limits: tuple[EdgeLimits, ResidualLimits],
-    sums: np.ndarray,
-) -> np.ndarray:
-    """Fit dot after dot, from the states in `table` and into its rows; return which converged.
+    room: tuple[np.ndarray, np.ndarray],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Fit dot after dot, from the states in `table` and into its rows; return which converged, and pixels.
 
     The limits of the picture are the reach (radii), the grey values at which it is clipped, that of no light,
-    and the step between the dots whose residuals are added to `sums`.
+    the step between the dots whose residuals are added to the first array of `room`, and that between the
+    dots whose pixels are kept. The second array, shape (n, CERTAINTY), receives the factorised systems, see
+    :mod:`~labcal.detect.edges.certainty`. Pixels, float32, shape (3, m), and the places of each dot's among
+    them, shape (n, 3), are as in :class:`~labcal.detect.edges.harmonics.KeptFits`.
     """
     edge, residual = limits
+    sums, certainty = room
     ok = np.zeros(len(table), dtype=np.bool_)
+    kept, places, taken = np.empty((3, 0), dtype=np.float32), np.zeros((len(table), 3), dtype=np.int64), 0
     system = np.empty((PARAMETERS + 2, PARAMETERS + 2))
     work = np.empty(PLANES * CHUNK), np.empty((PRIORS, PARAMETERS + 1)), system
     for number in range(len(table)):
@@ -81,10 +83,21 @@ def fit_all(
         slope_difference(row, picture.black, system)
         for i in range(3):
             row[COVARIANCE + i] = row[VARIANCE] * system[PARAMETERS, i]
+        write_certainty(work[1], system, certainty[number])
         ok[number] = True
         if number % picture.noise_every == 0:
             add_scatter(pixels, found, residual.flat_blurs, sums[number // picture.noise_every])
-    return ok
+        if number % picture.outlines_every == 0:
+            count = pixels.shape[1]
+            if taken + count > kept.shape[1]:
+                left = 1 + (len(table) - number) // picture.outlines_every
+                larger = np.empty((3, taken + count * left + count * left // 4), dtype=np.float32)
+                copy_columns(kept, 0, larger, (0, taken))
+                kept = larger
+            copy_columns(pixels, 0, kept, (taken, count))
+            places[number, 0], places[number, 1], places[number, 2] = taken, band[1], count
+            taken += count
+    return ok, kept, places
 
 
 @compiled
@@ -95,7 +108,7 @@ def _fit_one(
     limits: EdgeLimits,
     work: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> tuple[tuple[np.ndarray, int], np.ndarray]:
-    """Fit one dot, in place; return its band and result of :func:`_residuals`, empty if it ran away."""
+    """Fit one dot, in place; return its band and its pixels' residuals, empty if it ran away."""
     state, shading = row[:STATE], row[STATE : STATE + SHADING]
     nothing = (np.empty((3, 0)), 0), np.empty((5, 0))
     band = nothing[0]
@@ -108,12 +121,12 @@ def _fit_one(
             return nothing
         if max(made_for / state[5], state[5] / made_for) < limits.reband_factor:
             break
-    found = _residuals(state, shading, band, work[0])
+    found = pixel_residuals(state, shading, band, work[0])
     clean = without_clutter(band, found, abs(shading[0] - shading[3]), limits)
     if clean[0].shape[1] < band[0].shape[1]:
         if not _settle(state, shading, clean, limits, work):
             return nothing
-        return clean, _residuals(state, shading, clean, work[0])
+        return clean, pixel_residuals(state, shading, clean, work[0])
     return band, found
 
 
@@ -153,7 +166,7 @@ def _settle(
     if pixels.shape[1] < 3 * PARAMETERS:
         return False
     edge = pixels[:, :count:2]  # half of it is enough for the first step
-    flat_moments(state, shading, pixels[:, count:], moments)
+    flat_moments(state, shading, pixels[:, count:], work[0], moments)
     for number in range(limits.max_iterations):
         normal_equations(state, shading, edge, moments, expected, work)
         if not factorise(system, PARAMETERS, _SINGULAR):
@@ -226,30 +239,3 @@ def _reshape(state: np.ndarray, xx: float, xy: float, yy: float) -> None:
     root = abs(p * s - q * r)
     scale = 1.0 / sqrt(m + o + 2.0 * root)
     state[2], state[3], state[4] = (m + root) * scale, n * scale, (o + root) * scale
-
-
-@compiled
-def _residuals(
-    state: np.ndarray, shading: np.ndarray, band: tuple[np.ndarray, int], chunk: np.ndarray
-) -> np.ndarray:
-    """Return residual, blurs from the edge, change with the distance, and the centre's gradients, (5, n).
-
-    Flat pixels are as far from the edge as any, and change nothing.
-    """
-    planes = chunk.reshape(PLANES, CHUNK)
-    pixels, total = band
-    found = np.empty((5, pixels.shape[1]))
-    for first in range(0, total, CHUNK):
-        count = min(CHUNK, total - first)
-        copy_columns(pixels, first, planes, (0, count))
-        linearise(state, shading, chunk, count)
-        copy_columns(planes[RESIDUAL : ALONG + 1], 0, found, (first, count))
-        copy_columns(planes[ROWS : ROWS + 2], 0, found[3:], (first, count))
-    for k in range(total, pixels.shape[1]):
-        u, v = flattened(state, pixels[0, k], pixels[1, k])
-        inside = u * u + v * v < 1.0
-        side = 3 if inside else 0
-        found[0, k] = pixels[2, k] - shading[side] - shading[side + 1] * u - shading[side + 2] * v
-        found[1, k] = -FAR if inside else FAR
-        found[2, k], found[3, k], found[4, k] = 0.0, 0.0, 0.0
-    return found

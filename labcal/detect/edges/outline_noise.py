@@ -6,13 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64
 
-from labcal.detect.edges.edge_limits import EdgeLimits
 from labcal.detect.edges.edge_model import STATE
 from labcal.detect.edges.gamma_regression import gamma_regression
-from labcal.detect.edges.harmonics import Harmonics, harmonic_sums
+from labcal.detect.edges.harmonics import Harmonics, KeptFits, harmonic_sums
 from labcal.detect.edges.noise_direction import neighbouring, noise_by_direction
 from labcal.detect.edges.residuals import VARIANCE
-from labcal.detect.grey import GreyPicture
 from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.edge import EdgeSettings
 
@@ -30,24 +28,16 @@ class OutlineNoise(NamedTuple):
 
 
 def outline_noise(
-    grey: GreyPicture,
-    table: Float64[np.ndarray, "n c"],
-    weights: Float64[np.ndarray, "n 2 p"],
-    picture: tuple[Float64[np.ndarray, " n"], float],
-    flat: float,
-    settings: EdgeSettings,
+    table: Float64[np.ndarray, "n c"], fits: KeptFits, flat: float, settings: EdgeSettings
 ) -> OutlineNoise:
     """Return the noise of a picture's outlines, for a shift; it is alike in all directions if it is white.
 
     Parameters
     ----------
-    grey : ndarray, shape (h, w)
     table : ndarray, shape (n, COLUMNS)
         Converged fits, see :func:`~labcal.detect.edges.gauss_newton.fit_all`.
-    weights : ndarray, shape (n, 2, PARAMETERS)
-        Weights of the fit's parameters in the centre that is stated.
-    picture : (ndarray, float)
-        The holes of rings, shape (n,), and how far no other dot is met; radii.
+    fits : KeptFits
+        Of the same fits.
     flat : float
         The same as the noise beside the outlines says. It counts the more the fewer dots there are, and if
         it is 1, that of white noise, it holds where chance explains what differs from it.
@@ -56,20 +46,22 @@ def outline_noise(
     some = table[:, VARIANCE] > 0.0  # a drawn picture may be without noise
     if not some.any():
         return OutlineNoise(flat, np.eye(2))
-    table, weights, picture = table[some], weights[some], (picture[0][some], picture[1])
+    if not some.all():
+        table, fits = table[some], fits.select(some)
     radius = median_of(1.0 / np.sqrt(table[:, 2] * table[:, 4] - table[:, 3] ** 2))
     harmonics = chosen_harmonics(radius, settings)
     nearest = neighbouring(harmonics)
-    numbers = np.union1d(harmonics.numbers, nearest.numbers)
-    sums = harmonic_sums(grey, table, weights, picture, numbers, settings.limits(EdgeLimits))
-    sums[..., :2] /= np.sqrt(table[:, VARIANCE, None, None])
-    step = (table[:, STATE] - table[:, STATE + 3]) / np.sqrt(table[:, VARIANCE])
-    powers = own_powers(sums[:, np.isin(numbers, harmonics.numbers)], step)
+    numbers = np.array(sorted({*harmonics.numbers.tolist(), *nearest.numbers.tolist()}))
+    sums = harmonic_sums(table, fits, numbers)
+    deviation = np.sqrt(table[:, VARIANCE])
+    sums[..., :2] /= deviation[:, None, None]
+    step = (table[:, STATE] - table[:, STATE + 3]) / deviation
+    powers = own_powers(sums[:, np.searchsorted(numbers, harmonics.numbers)], step)
     ratio, error = long_wave_ratio(powers, 2.0 * pi * radius / harmonics.numbers, settings)
     factor = beside_flat_parts(ratio, error, flat, settings)
     if factor == 1.0:
         return OutlineNoise(factor, np.eye(2))
-    sums = sums[:, np.isin(numbers, nearest.numbers)]
+    sums = sums[:, np.searchsorted(numbers, nearest.numbers)]
     kept = without_shared_shape(sums[..., :2], step)
     return OutlineNoise(factor, noise_by_direction(kept, sums[..., 2], nearest, settings))
 

@@ -82,20 +82,22 @@ def residual_statistics(
         quarter = u / (abs(u) + abs(v) + TINY)
         around[k] = 0.25 * (1.0 - quarter) if v >= 0.0 else 0.25 * (3.0 + quarter)
     noise, along = found[0].copy(), found[2]  # of all pixels
-    moved = _arcs(around, along, noise, limits.sectors)
+    moved, _ = _arcs(around, along, noise, limits.sectors)
     row[DEPARTURE] = sqrt((moved**2).mean())
     perimeter = 2.0 * pi / sqrt(state[2] * state[4] - state[3] * state[3])
     arcs = min(limits.max_arcs, int(perimeter / limits.arc_px))
     if arcs < limits.min_arcs:
         arcs = 0
     else:
-        moved = _arcs(around, along, noise, arcs)
+        moved, place = _arcs(around, along, noise, arcs)
         for k in range(count):
-            noise[k] -= along[k] * moved[min(int(around[k] * arcs), arcs - 1)]
+            noise[k] -= along[k] * moved[place[k]]
     # The mean profile holds both levels and the blur, which the fit has estimated already.
     before = noise[:count].copy()
-    profile = max(_take_out_profile(noise, found[1], limits.profile_bin_blurs) - 3, 0)
-    row[PROFILE] = sqrt(((before - noise[:count]) ** 2).mean()) / max(abs(row[STATE] - row[STATE + 3]), TINY)
+    profile = max(_take_out_profile(noise, count, found[1], limits.profile_bin_blurs) - 3, 0)
+    for k in range(count):
+        before[k] -= noise[k]
+    row[PROFILE] = sqrt(_square(before) / count) / max(abs(row[STATE] - row[STATE + 3]), TINY)
     freedom = len(noise) - determined - max(arcs - limits.min_arcs + 1, 0) - profile
     # Clipping cuts the noise off: such a side does not show how much of it the edge has.
     for k in range(count, len(noise)):
@@ -104,34 +106,61 @@ def residual_statistics(
             freedom -= 1.0
     if freedom < PARAMETERS:
         return False
-    row[VARIANCE] = (noise * noise).sum() / freedom
+    row[VARIANCE] = _square(noise) / freedom
     return True
 
 
 @compiled
-def _arcs(around: np.ndarray, along: np.ndarray, residual: np.ndarray, arcs: int) -> np.ndarray:
-    """Return how far each arc of the outline lies from the ellipse, px."""
+def _arcs(
+    around: np.ndarray, along: np.ndarray, residual: np.ndarray, arcs: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far each arc of the outline lies from the ellipse, px, and in which one each pixel lies."""
+    place = np.empty(len(around), dtype=np.int32)
+    for k in range(len(around)):
+        place[k] = min(int(around[k] * arcs), arcs - 1)
     weight, moved = np.zeros(arcs), np.zeros(arcs)
     for k in range(len(around)):
-        arc = min(int(around[k] * arcs), arcs - 1)
+        arc = place[k]
         weight[arc] += along[k] * along[k]
         moved[arc] += along[k] * residual[k]
-    return moved / np.maximum(weight, TINY)
+    return moved / np.maximum(weight, TINY), place
 
 
 @compiled
-def _take_out_profile(noise: np.ndarray, blurs_away: np.ndarray, width: float) -> int:
-    """Take the mean over each distance from the outline out of the residuals; return how many there are."""
-    count = int(2.0 * FAR / width) + 1
-    total, number = np.zeros(count), np.zeros(count)
+def _take_out_profile(noise: np.ndarray, edge: int, blurs_away: np.ndarray, width: float) -> int:
+    """Take the mean over each distance from the outline out of the residuals; return how many there are.
+
+    Pixels behind those of the edge are flat: as far from it as any, on either side.
+    """
+    last, scale = int(2.0 * FAR / width), 1.0 / width
+    total, number = np.zeros(last + 1), np.zeros(last + 1)
+    place = np.empty(len(noise), dtype=np.int32)
+    for k in range(edge):
+        place[k] = min(int((blurs_away[k] + FAR) * scale), last)
+    for k in range(edge, len(noise)):
+        place[k] = 0 if blurs_away[k] < 0.0 else last
     for k in range(len(noise)):
-        here = int((blurs_away[k] + FAR) / width)
-        total[here] += noise[k]
-        number[here] += 1.0
+        total[place[k]] += noise[k]
+        number[place[k]] += 1.0
     mean = total / np.maximum(number, 1.0)
     for k in range(len(noise)):
-        noise[k] -= mean[int((blurs_away[k] + FAR) / width)]
+        noise[k] -= mean[place[k]]
     return int((number > 0.0).sum())
+
+
+@compiled
+def _square(values: np.ndarray) -> float:
+    """Return the sum of the squares, of every fourth number apart: one sum would wait for each addition."""
+    first, second, third, fourth = 0.0, 0.0, 0.0, 0.0
+    whole = len(values) - len(values) % 4
+    for k in range(0, whole, 4):
+        first += values[k] * values[k]
+        second += values[k + 1] * values[k + 1]
+        third += values[k + 2] * values[k + 2]
+        fourth += values[k + 3] * values[k + 3]
+    for k in range(whole, len(values)):
+        first += values[k] * values[k]
+    return (first + second) + (third + fourth)
 
 
 @compiled
@@ -146,6 +175,8 @@ def clipped_sides(
 
     An edge that is cut off all around keeps its centre; one that is cut off on one side does not.
     """
+    if clipped_at[0] == -np.inf and clipped_at[1] == np.inf:
+        return 0.0, (0.0, 0.0)
     sums, counts, cut_off = np.zeros((2, 2)), np.zeros(2), np.zeros(2)
     for k in range(pixels.shape[1]):
         if abs(found[1, k]) <= limits.near_flat_blurs:

@@ -88,19 +88,29 @@ class Predictor:
         """Return predictions of nodes; those are left out whose neighbours are too few or on one line."""
         if not nodes:
             return {}
-        places = np.array(nodes) - self._corner
+        known, values, positions, steps, outlines, near = self.predicted(np.array(nodes))
+        undistortion = self.lattice.undistortion
+        return {
+            nodes[k]: Prediction(position, step, outline, int(count), undistortion, value)
+            for k, value, position, step, outline, count in zip(
+                known, values, positions, steps, outlines, near, strict=True
+            )
+        }
+
+    def predicted(self, nodes: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return the numbers of nodes, shape (n, 2), that have predictions, and what `Prediction` holds.
+
+        In this order: numbers, values, positions, steps, outlines, neighbours.
+        """
+        places = nodes - self._corner
         values = predict_all(self._grid, self._flat.centre, places, self._limits)
         known = np.flatnonzero(np.isfinite(values[:, 0]))
-        undistortion = self.lattice.undistortion
-        positions = undistortion.distort(values[known, :2])
-        steps = np.swapaxes(values[known, 2:].reshape(-1, 2, 2), 1, 2)
+        undistortion, values = self.lattice.undistortion, values[known]
+        positions = undistortion.distort(values[:, :2])
+        steps = np.swapaxes(values[:, 2:].reshape(-1, 2, 2), 1, 2)
         steps = inverses(undistortion.slopes(positions)) @ steps
         outlines = steps @ self._shape @ np.swapaxes(steps, 1, 2)
-        near = self._neighbours(places[known])
-        return {
-            nodes[k]: Prediction(position, step, outline, int(count), undistortion, values[k])
-            for k, position, step, outline, count in zip(known, positions, steps, outlines, near, strict=True)
-        }
+        return known, values, positions, steps, outlines, self._neighbours(places[known])
 
     def neighbours(self) -> np.ndarray:
         """Return how many neighbours each of the lattice's nodes has, in their order."""

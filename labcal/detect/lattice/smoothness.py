@@ -68,7 +68,8 @@ def _leaves_no_step(scaled: np.ndarray, off: np.ndarray, extent: float, settings
     """Tell whether a polynomial of the nodes (n, 2) follows what a map leaves of them (n, 2) everywhere."""
     degrees, spare = range(settings.smooth_max_degree, 1, -1), settings.smooth_dots_factor
     degree = next((d for d in degrees if len(scaled) >= spare * (d + 1) * (d + 2) / 2), 1)
-    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    design = np.stack([scaled[:, 0] ** i * scaled[:, 1] ** j for i, j in powers], axis=-1)
+    i, j = np.array([(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]).T
+    of_a, of_b = (np.vander(nodes, degree + 1, increasing=True) for nodes in scaled.T)
+    design = of_a[:, i] * of_b[:, j]
     left = off - design @ np.linalg.lstsq(design, off, rcond=None)[0]
     return bool(np.linalg.norm(left, axis=1).max() * extent < settings.smooth_residual_steps)

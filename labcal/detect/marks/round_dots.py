@@ -8,7 +8,7 @@ from labcal.detect.edge_fit import EdgeFits, fit_edges
 from labcal.detect.grey import GreyPicture, is_flat
 from labcal.detect.light_fall import lit_centres
 from labcal.detect.marks.picture_marks import MarkFlag, SeenMark
-from labcal.detect.outlines.blobs import blobs_of, joined, pyramid
+from labcal.detect.outlines.blobs import Pyramid, blobs_of, joined
 from labcal.detect.outlines.outlines import Outlines, clear_reach, inside_frame, trace_outlines
 from labcal.detect.settings import DetectSettings
 from labcal.geometry.two_by_two import eigenvalues
@@ -44,8 +44,9 @@ def round_spots(grey: GreyPicture, settings: DetectSettings, max_texture_share: 
         Most changes between dark and bright a pixel along a row, around a dot.
     """
     search = settings.segmentation.model_copy(update={"max_texture_share": max_texture_share})
-    levels = [] if is_flat(grey) else pyramid(grey, search)
-    blobs = joined([blobs_of(level, search) for level in levels])
+    levels = Pyramid(grey, search)
+    count = 0 if is_flat(grey) else len(levels.scales)
+    blobs = joined([blobs_of(levels.level(number), search) for number in range(count)])
     outlines = trace_outlines(grey, blobs, _SURROUNDED, search)
     inside = inside_frame(outlines.centre, outlines.shape, (grey.shape[1], grey.shape[0]), _MARGIN)
     return outlines.select(inside)

@@ -1,6 +1,6 @@
 """Dark spots of a picture at every scale: a first, rough look for dots."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -42,21 +42,37 @@ class Level:
         scaled = np.empty(self.grey.shape, dtype=np.uint8)
         for top in range(0, len(self.grey), _ROWS_AT_ONCE):
             rows = slice(top, top + _ROWS_AT_ONCE)
-            above = np.maximum(self.grey[rows], self.low) - self.low
+            above = self.grey[rows] - self.low
+            np.maximum(above, 0.0, out=above)
             scaled[rows] = cv2.convertScaleAbs(above, alpha=factor)
         return scaled
 
 
-def pyramid(grey: GreyPicture, settings: SegmentationSettings) -> list[Level]:
-    """Return the levels of a picture, the full one first, down to the coarsest that could show a grid."""
-    low, high = _range(grey, settings.range_cut_percent)
-    levels, scale = [], 1
-    while min(grey.shape) >= settings.smallest_level_px:
-        levels.append(Level(grey, scale, low, high))
-        height, width = grey.shape[0] // 2, grey.shape[1] // 2
-        grey = cv2.resize(grey[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
-        scale *= 2
-    return levels
+class Pyramid:
+    """The levels of a picture, the full one first, down to the coarsest that could show a grid.
+
+    A level is computed when it is first asked for: most searches end at the level where they begin.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+    settings : SegmentationSettings
+    """
+
+    def __init__(self, grey: GreyPicture, settings: SegmentationSettings) -> None:
+        low, high = _range(grey, settings.range_cut_percent)
+        self.scales = [1 << k for k in range(32) if min(grey.shape) >> k >= settings.smallest_level_px]
+        self._levels = [Level(grey, 1, low, high)]
+
+    def level(self, number: int) -> Level:
+        """Return a level by the number of times that the picture is halved."""
+        while len(self._levels) <= number:
+            finer = self._levels[-1]
+            height, width = finer.grey.shape[0] // 2, finer.grey.shape[1] // 2
+            even = finer.grey[: 2 * height, : 2 * width]
+            halved = cv2.resize(even, (width, height), interpolation=cv2.INTER_AREA)
+            self._levels.append(replace(finer, grey=halved, scale=2 * finer.scale))
+        return self._levels[number]
 
 
 def blobs_of(level: Level, settings: SegmentationSettings) -> Blobs:
@@ -92,7 +108,7 @@ def _range(grey: GreyPicture, cut_percent: float) -> tuple[float, float]:
 
 
 def _dark_contours(level: np.ndarray, settings: SegmentationSettings) -> list[np.ndarray]:
-    """Return the outer contours of what is darker than half-way between the local extremes."""
+    """Return the outer contours (n, 1, 2) of what is darker than half-way between the local extremes."""
     smooth = cv2.GaussianBlur(level, (3, 3), settings.smoothing_px)
     side, busy_side = 2 * settings.threshold_reach_px + 1, 2 * settings.texture_reach_px + 1
     window = np.ones((side, side), np.uint8)
@@ -107,11 +123,11 @@ def _dark_contours(level: np.ndarray, settings: SegmentationSettings) -> list[np
     contours, hierarchy = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     if hierarchy is None:
         return []
-    outer = hierarchy.reshape(-1, 4)[:, 3] < 0
+    parents, least = hierarchy.reshape(-1, 4)[:, 3].tolist(), settings.min_contour_points
     return [
-        contour.reshape(-1, 2)
-        for contour, keep in zip(contours, outer, strict=True)
-        if keep and len(contour) >= settings.min_contour_points
+        contour
+        for contour, parent in zip(contours, parents, strict=True)
+        if parent < 0 and len(contour) >= least
     ]
 
 
@@ -126,14 +142,17 @@ def _noise(level: np.ndarray) -> float:
     """Return the standard deviation of the noise from second differences, blind to smooth shading."""
     rows = level[:: 1 + level.shape[0] // 96].astype(np.int16)
     difference = rows[:, 2:] - 2 * rows[:, 1:-1] + rows[:, :-2]
-    return float(np.median(np.abs(difference))) / (0.6745 * 6**0.5)
+    below = np.cumsum(np.bincount(np.abs(difference).ravel()))  # few values: faster than sorting them
+    middle = np.searchsorted(below, [(difference.size - 1) // 2, difference.size // 2], side="right")
+    return float(middle.mean()) / (0.6745 * 6**0.5)
 
 
 def _roughly_elliptic(
     contours: list[np.ndarray], size: tuple[int, ...], settings: SegmentationSettings
 ) -> Blobs:
     """Return the contours that could be dots, and those that the frame cuts."""
-    found = contour_table(np.concatenate(contours), np.cumsum([len(contour) for contour in contours]))
+    ends = np.cumsum([len(contour) for contour in contours])
+    found = contour_table(np.concatenate(contours).reshape(-1, 2), ends)
     low, high = found[:, LOW], found[:, HIGH]
     middle, half = (low + high) / 2, (high - low + 1) / 2
     small = half.max(axis=1) <= settings.max_axis_share * max(size)

@@ -112,21 +112,19 @@ def _ellipse(points: np.ndarray, found: np.ndarray, limits: RayLimits, terms: np
             if use[k]:
                 for i in range(_TERMS):
                     terms[i] += row[i]
-                    for j in range(_TERMS):
+                    for j in range(i + 1):
                         normal[i, j] += row[i] * row[j]
         for i in range(_TERMS):
             normal[i, i] += 1e-9
         if not factorise(normal, _TERMS, _SINGULAR):
             return np.inf
         solve(normal, terms)
-        for k in range(count):
-            x, y = points[k, 0], points[k, 1]
-            value = terms[0] * x * x + 2.0 * terms[1] * x * y + terms[2] * y * y
-            residual[k] = abs(value + terms[3] * x + terms[4] * y - 1.0) if found[k] else np.inf
+        _write_residuals(points, found, terms, residual)
         limit = max(
             limits.outlier_factor * np.median(residual), limits.outlier_share
         )  # the median of a spot without edges is infinite
-        use = found & (residual < limit)
+        if not _narrow(use, found, residual, limit):  # nor would the next fit be another
+            break
     if (
         use.sum() < limits.min_ray_share * count
         or terms[0] <= 0.0
@@ -134,6 +132,26 @@ def _ellipse(points: np.ndarray, found: np.ndarray, limits: RayLimits, terms: np
     ):
         return np.inf
     return 0.5 * np.median(residual)  # the residual is that of the radius squared
+
+
+@compiled
+def _write_residuals(points: np.ndarray, found: np.ndarray, terms: np.ndarray, residual: np.ndarray) -> None:
+    """Write how far points are from an ellipse, of the squared radius; infinite for those not found."""
+    for k in range(len(points)):
+        x, y = points[k, 0], points[k, 1]
+        value = terms[0] * x * x + 2.0 * terms[1] * x * y + terms[2] * y * y
+        residual[k] = abs(value + terms[3] * x + terms[4] * y - 1.0) if found[k] else np.inf
+
+
+@compiled
+def _narrow(use: np.ndarray, found: np.ndarray, residual: np.ndarray, limit: float) -> bool:
+    """Replace the points in use by those found within a limit, in place; return whether they change."""
+    changed = False
+    for k in range(len(use)):
+        keep = found[k] and residual[k] < limit
+        changed |= keep != use[k]
+        use[k] = keep
+    return changed
 
 
 @compiled
