@@ -43,7 +43,7 @@ _FRAME_PX = 8.0
 
 
 def least_feature(target: PrintableTarget) -> tuple[float, float]:
-    """Return the smallest thing on a target that must be told apart, mm, and its least width, px."""
+    """Return the smallest part of a target that must be distinguished, mm, and its least width, px."""
     if isinstance(target, AprilGrid):
         cells = opencv_dictionary(target.dictionary).markerSize + 2 * target.border_cells
         return target.tag_mm / cells, LEAST_CELL_PX

@@ -12,6 +12,7 @@ from labcal.bench.solve.board_poses import BOARDS
 from labcal.bench.solve.board_set import BoardSet, measured_board_set
 from labcal.bench.solve.budget import standard_error
 from labcal.bench.solve.joint_errors import (
+    chance_of_mean,
     median_sigmas,
     most_mean_square,
     most_sigmas,
@@ -77,7 +78,7 @@ def board_checks(board: str, sets: list[BoardFigures]) -> list[Check]:
         at_most(f"{title}: worst of {parameters} parameters, standard deviations",
                 max(one.worst for one in sets), most_sigmas(parameters)),
         at_most(f"{title}: coverage of points of held-out views below {LEAST_COVERAGE:g}",
-                LEAST_COVERAGE - float(shares.mean()), _CHANCE * standard_error(shares)),
+                LEAST_COVERAGE - float(shares.mean()), chance_of_mean(len(sets)) * standard_error(shares)),
         at_most(f"{title}: RMS error of places over the one stated",
                 _root(sets, "error_px") / _root(sets, "stated_px"), MOST_OVER_STATED),
         at_most(f"{title}: share of sets that calibrate warns of",
@@ -87,13 +88,17 @@ def board_checks(board: str, sets: list[BoardFigures]) -> list[Check]:
 
 
 def coverage_check(board: str, sets: list[BoardFigures], dots: list[BoardFigures]) -> Check:
-    """Return the check that stated errors of points cover as by dots, but for chance."""
+    """Return the check that stated errors of points cover as by dots, but for chance.
+
+    All points of a set share the errors of its cameras, so that a set covers nearly all of them or, one in
+    twenty, few.
+    """
     own, theirs = (np.array([one.coverage for one in some]) for some in (sets, dots))
     chance = float(np.hypot(standard_error(own), standard_error(theirs)))
     return at_most(
         f"{_title(board, sets)}: coverage of points below that by dots",
         float(theirs.mean() - own.mean()),
-        _CHANCE * chance,
+        chance_of_mean(min(len(own), len(theirs))) * chance,
     )
 
 

@@ -1,6 +1,6 @@
 """Tests of many errors of calibrations at once: of all parameters together, and of the worst one."""
 
-from scipy.stats import chi2, norm
+from scipy.stats import chi2, norm, t
 
 _RARE = 0.005
 """Share of good benches in which one such test fails by chance."""
@@ -44,6 +44,14 @@ def within_three_sigmas(mean_square: float, parameters: int) -> bool:
         Of the set.
     """
     return bool(mean_square * parameters <= chi2.ppf(_WITHIN_THREE, parameters))
+
+
+def chance_of_mean(sets: int) -> float:
+    """Return how many of its standard errors a mean over so many sets is off, but for chance.
+
+    The standard error is of the same few sets, so that the distribution is Student's.
+    """
+    return float(t.ppf(1.0 - _RARE, sets - 1))
 
 
 def _two_sided(within: float) -> float:

@@ -39,7 +39,7 @@ def test_no_part_of_a_board_is_too_small_and_no_board_too_steep(board: str) -> N
         ("dots", 12.6),
     ],
 )
-def test_the_smallest_part_is_that_which_must_be_told_apart(board: str, size_mm: float) -> None:
+def test_the_smallest_part_is_that_which_must_be_distinguished(board: str, size_mm: float) -> None:
     assert least_feature(load_target(BOARDS[board]))[0] == pytest.approx(size_mm)
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from labcal.bench.solve.joint_errors import (
+    chance_of_mean,
     median_sigmas,
     most_mean_square,
     most_sigmas,
@@ -41,3 +42,10 @@ def test_a_set_within_three_deviations_is_judged_by_all_parameters_together() ->
     assert not within_three_sigmas(9.01, 1)
     assert within_three_sigmas(1.9, 24)
     assert not within_three_sigmas(2.1, 24)
+
+
+def test_means_of_few_sets_are_granted_more_chance() -> None:
+    means = np.random.default_rng(4).standard_normal((BENCHES, 3))
+    off = means.mean(axis=1) / (means.std(axis=1, ddof=1) / np.sqrt(3.0))
+    assert abs(float((off > chance_of_mean(3)).mean()) - 0.005) < 3.3 * np.sqrt(0.005 / BENCHES)
+    assert chance_of_mean(2) > chance_of_mean(3) > chance_of_mean(16) > 2.6
