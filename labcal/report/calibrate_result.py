@@ -143,7 +143,9 @@ def _outliers(outliers: OutlyingDots, target: AnyTarget) -> list[OutlierResult]:
         index, boards = own_indices(index, target)
     columns = (outliers.view, outliers.camera, index, outliers.off_px, boards)
     lines = zip(*(column[:MOST_OUTLIERS].tolist() for column in columns), strict=True)
-    return [OutlierResult(view, camera, *index, off, board) for view, camera, index, off, board in lines]
+    return [
+        OutlierResult(view, camera, col, row, off, board) for view, camera, (col, row), off, board in lines
+    ]
 
 
 def _free_dots(freed: FreedDots, found: HandheldCalibration) -> FreeDotsResult:
