@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 from rich.console import Group
 from rich.table import Table
 from rich.text import Text
@@ -15,6 +16,7 @@ from labcal.calibrate.handheld_calibration import HandheldCalibration
 from labcal.calibrate.lens_choice import LensChoice
 from labcal.calibrate.outlying_dots import OutlyingDots
 from labcal.cameras.camera_pair import CameraPair
+from labcal.correspond.boards_points import own_indices
 from labcal.correspond.detections import Detections
 from labcal.evaluate.print_shape import PrintShape, agreement, print_shape
 from labcal.report.board_result import BoardResult, board_lines, board_results
@@ -24,6 +26,7 @@ from labcal.report.expectation_result import ExpectedErrorsResult, expectation_t
 from labcal.report.inconsistent_result import InconsistentResult, inconsistent_result
 from labcal.report.lens_table import lens_table
 from labcal.report.print_words import print_words
+from labcal.targets.board_set import BoardSet
 from labcal.targets.catalogue import AnyTarget
 
 MOST_OUTLIERS = 200
@@ -42,6 +45,13 @@ class OutlierResult:
     row: int
     off_px: list[float]
     """Measured minus predicted."""
+    board: str | None = None
+    """The board of col and row where the target has several; null of one target."""
+
+    def place(self) -> str:
+        """Return which dot it is, for a table."""
+        on = "" if self.board is None else f"{self.board} "
+        return f"{on}{self.col}, {self.row}"
 
 
 @dataclass(frozen=True)
@@ -108,7 +118,7 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
         epipolar_rms_px=epipolar_rms_px,
         skipped=list(found.skipped),
         outlier_count=len(found.outliers),
-        outliers=_outliers(found.outliers),
+        outliers=_outliers(found.outliers, target),
         centre_bias_px=found.eccentricity,
         stop_reason=found.reason.value,
         dot_places=found.dot_decision,
@@ -127,10 +137,15 @@ def calibrate_result(made: Calibration, detections: Detections, target: AnyTarge
     )
 
 
-def _outliers(outliers: OutlyingDots) -> list[OutlierResult]:
-    columns = (outliers.view, outliers.camera, outliers.index, outliers.off_px)
+def _outliers(outliers: OutlyingDots, target: AnyTarget) -> list[OutlierResult]:
+    index, boards = outliers.index, np.full(len(outliers), None)
+    if isinstance(target, BoardSet):
+        index, boards = own_indices(index, target)
+    columns = (outliers.view, outliers.camera, index, outliers.off_px, boards)
     lines = zip(*(column[:MOST_OUTLIERS].tolist() for column in columns), strict=True)
-    return [OutlierResult(view, camera, col, row, off) for view, camera, (col, row), off in lines]
+    return [
+        OutlierResult(view, camera, col, row, off, board) for view, camera, (col, row), off, board in lines
+    ]
 
 
 def _free_dots(freed: FreedDots, found: HandheldCalibration) -> FreeDotsResult:
@@ -184,7 +199,7 @@ def _outlier_table(result: CalibrateResult) -> Table:
     table = Table(name_column("view"), name_column("camera"), "col, row", "off by [px]", title=title)
     for outlier in result.outliers[:_SHOWN_OUTLIERS]:
         x, y = outlier.off_px
-        table.add_row(outlier.view, outlier.camera, f"{outlier.col}, {outlier.row}", f"{x:.2f}, {y:.2f}")
+        table.add_row(outlier.view, outlier.camera, outlier.place(), f"{x:.2f}, {y:.2f}")
     if result.outlier_count > _SHOWN_OUTLIERS:
         table.caption = f"the worst {_SHOWN_OUTLIERS}; --json lists up to {MOST_OUTLIERS}"
     return table

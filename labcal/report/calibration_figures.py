@@ -120,7 +120,7 @@ def further_parts(result: CalibrateResult, freed: FreedDots | None) -> list[Part
         )
     if result.outliers:
         rows = [
-            [one.view, one.camera, f"{one.col}, {one.row}", f"{one.off_px[0]:+.2f}", f"{one.off_px[1]:+.2f}"]
+            [one.view, one.camera, one.place(), f"{one.off_px[0]:+.2f}", f"{one.off_px[1]:+.2f}"]
             for one in result.outliers
         ]
         header = ("view", "camera", "dot", "off_x_px", "off_y_px")

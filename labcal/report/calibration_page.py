@@ -15,6 +15,7 @@ from labcal.geometry.poses import transform
 from labcal.report.calibrate_result import calibrate_result
 from labcal.report.calibration_figures import camera_table, expectation_parts, further_parts
 from labcal.report.calibration_residuals import residual_parts, worst_pictures
+from labcal.report.dot_words import dot_words
 from labcal.report.error_map import error_map
 from labcal.report.page.beside import Beside
 from labcal.report.page.chart import Chart
@@ -117,7 +118,7 @@ def _space(found: HandheldCalibration, detections: Detections, target: AnyTarget
         ]
     ).reshape(-1, 3)
     labels = [
-        f"{view}, dot {col}, {row}" for view, (col, row) in zip(matches.view, matches.index, strict=True)
+        f"{view}, {dot}" for view, dot in zip(matches.view, dot_words(matches.index, target), strict=True)
     ]
     ok = met.ok
     labels = [label for label, good in zip(labels, ok.tolist(), strict=True) if good]

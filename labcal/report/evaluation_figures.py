@@ -2,11 +2,14 @@
 
 import numpy as np
 
+from labcal.correspond.boards_points import own_indices
 from labcal.correspond.matching import rows_by_name
 from labcal.correspond.points import Points
+from labcal.correspond.points_csv import BOARD
 from labcal.evaluate.against_truth import TruthErrors
 from labcal.evaluate.own_lengths import LengthErrors
 from labcal.evaluate.verdict.of_truth_errors import over_limit
+from labcal.report.dot_words import dot_words
 from labcal.report.error_histogram import error_histogram
 from labcal.report.error_tables import shape_shares
 from labcal.report.page.chart import Chart
@@ -15,16 +18,17 @@ from labcal.report.page.part import Part
 from labcal.report.page.prose import Prose
 from labcal.report.page.table import Column, PageTable, Side
 from labcal.report.scored_points import ScoredPoints
+from labcal.targets.board_set import BoardSet
 from labcal.wording import counted
 
 _MOST_VIEWS = 60
 """In the table of views."""
 
 
-def labels(points: Points) -> list[str]:
+def labels(points: Points, target: object) -> list[str]:
     """Return what a reader sees of each point that is pointed at."""
-    rows = zip(points.view.tolist(), points.index.tolist(), points.flag.tolist(), strict=True)
-    return [f"{view}, dot {col}, {row} ({flag})" for view, (col, row), flag in rows]
+    rows = zip(points.view.tolist(), dot_words(points.index, target), points.flag.tolist(), strict=True)
+    return [f"{view}, {dot} ({flag})" for view, dot, flag in rows]
 
 
 def truth_table(errors: TruthErrors) -> PageTable:
@@ -99,10 +103,14 @@ def view_table(scored: ScoredPoints) -> Part:
     return PageTable("views-table", caption, columns, rows)
 
 
-def error_file(scored: ScoredPoints) -> Download:
-    """Return every error as a table."""
+def error_file(scored: ScoredPoints, target: object) -> Download:
+    """Return every error as a table; of several boards, with the board of each dot."""
     points = scored.points
     figures = np.round(np.concatenate([scored.places, scored.error], axis=1).T, 5).tolist()
     header = ("view", "col", "row", "X_mm", "Y_mm", "Z_mm", "X_error_mm", "Y_error_mm", "Z_error_mm", "flag")
-    columns = (points.view.tolist(), *points.index.T.tolist(), *figures, points.flag.tolist())
-    return table_download("errors.csv", header, columns)
+    if not isinstance(target, BoardSet):
+        columns = (points.view.tolist(), *points.index.T.tolist(), *figures, points.flag.tolist())
+        return table_download("errors.csv", header, columns)
+    own, boards = own_indices(points.index, target)
+    columns = (points.view.tolist(), *own.T.tolist(), *figures, points.flag.tolist(), boards.tolist())
+    return table_download("errors.csv", (*header, BOARD), columns)

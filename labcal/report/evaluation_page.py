@@ -94,10 +94,12 @@ def evaluation_page(
         against = "against the target's own lengths"
     outlines = [transform(T, target_outline(board)) for T in _outline_poses(scored, around, target)]
     space = Space(
-        around.cameras, outlines, scored.places + scored.error, -scored.error, labels(scored.points)
+        around.cameras, outlines, scored.places + scored.error, -scored.error, labels(scored.points, board)
     )
     lengths = np.linalg.norm(scored.error, axis=1)
-    volume = Chart("error-map", error_map(scored.places, lengths), _OVER_THE_VOLUME, error_file(scored))
+    volume = Chart(
+        "error-map", error_map(scored.places, lengths), _OVER_THE_VOLUME, error_file(scored, board)
+    )
     return Page(
         title=f"Errors of points of {board.name}",
         heading=f"Errors in millimetres, {against}",

@@ -67,6 +67,8 @@ JOBS: tuple[Job, ...] = (
     Job("target", "target.yaml", "yaml", ("target", "show", "{file}"), "target", 4),
     Job("target to export", "target.yaml", "yaml", ("target", "export", "{file}", "-o", "out.svg"), weight=1),
     Job("charuco", "charuco.yaml", "yaml", ("target", "show", "{file}"), "target"),
+    Job("boards", "boards.yaml", "yaml", ("target", "show", "{file}"), "target"),
+    Job("boards to export", "boards.yaml", "yaml", ("target", "export", "{file}", "-o", "out.svg"), weight=1),
     Job("asymmetric", "asymmetric.yaml", "yaml", ("target", "show", "{file}"), "target"),
     Job("target of dots", "target.yaml", "yaml",
         ("reconstruct", "{seeds}/rig.json", "{seeds}/detections.csv", "--target", "{file}", "-o", "out.csv"),

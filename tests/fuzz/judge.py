@@ -137,6 +137,8 @@ def _detections(lines: list[dict[str, str]]) -> list[str]:
 
 
 def _target(target: dict[str, Any]) -> list[str]:
+    if "targets" in target:
+        return [f"{one['name']}: {fault}" for one in target["targets"] for fault in _target(one)]
     faults = [
         f"{key} is {value}"
         for key, value in target.items()

@@ -114,6 +114,12 @@ dictionary: DICT_5X5_100
 pattern: current
 margin_mm: 10.0
 """
+BOARDS_YAML = """name: plate
+targets:
+  - {kind: charuco, name: a, squares: [5, 4], square_mm: 20.0, marker_mm: 15.0, dictionary: DICT_5X5_100}
+  - {kind: chessboard, name: b, cols: 9, rows: 6, square_mm: 25.0}
+mounting: rigid
+"""
 VIC_3D = """<project dir="C:/CalA">
  <calibration lri="calibration">
   <camera id="0">638 407 2468.5 2468.25 0 0 0 0<orientation>180 9 0 -63 -0.5 18</orientation></camera>
@@ -233,7 +239,8 @@ def make_seeds(home: Path) -> Path:
     """Write all seeds into a new folder and return it."""
     home.mkdir(parents=True)
     for name, text in {
-        "target.yaml": TARGET_YAML, "charuco.yaml": CHARUCO_YAML, "scene.yaml": SCENE_YAML,
+        "target.yaml": TARGET_YAML, "charuco.yaml": CHARUCO_YAML, "boards.yaml": BOARDS_YAML,
+        "scene.yaml": SCENE_YAML,
         "lens.yaml": LENS_YAML, "vic3d.xml": VIC_3D, "tone.csv": "value,light\n0,0\n0.2,0.1\n0.6,0.5\n1,1\n",
         "asymmetric.yaml": "name: a\nlayout: asymmetric\ncols: 4\nrows: 11\npitch_x_mm: 40.0\n"
         "pitch_y_mm: 20.0\ndot_diameter_mm: 12.0\nrings: null\n",

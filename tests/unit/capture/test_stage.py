@@ -34,6 +34,8 @@ def test_readings_are_poses_with_rotations_about_fixed_axes(tmp_path: Path) -> N
         (("a b,train,0,0,0,0,0,0",), "Line 2"),
         (("a,both,0,0,0,0,0,0",), "train or test"),
         (("a,train,0,0,0,0,0,nan",), "numbers"),
+        (("a,train,0,1_0,0,0,0,0",), "numbers"),
+        (("a,train,0,\x1c10,0,0,0,0",), "numbers|control|damaged|Line 2"),
         (("a,train,0,0,0,0,0,0", "a,train,1,0,0,0,0,0"), "two lines"),
         (("a,train,0,0,0,0,0,0", "A,train,1,0,0,0,0,0"), "capital"),
         (("a,train,0,0,0",), "Line 2"),

@@ -2,11 +2,13 @@
 
 import logging
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 from plate import PLATE, T_A_B, in_turn, plate_poses, seen
+from rich.console import Console
 
 from labcal import pipeline
 from labcal.calibrate.calibration import Calibration
@@ -16,13 +18,15 @@ from labcal.correspond.boards_points import (
     with_known_lengths,
     with_views_of_boards,
 )
-from labcal.correspond.boards_table import in_one_frame
+from labcal.correspond.boards_table import in_one_frame, on_target
 from labcal.correspond.detections import Detections
+from labcal.correspond.interop.corners_vnl import corners_text
 from labcal.correspond.points import Points
 from labcal.correspond.points_csv import read_points
 from labcal.errors import InputError
 from labcal.geometry.poses import transform
 from labcal.reconstruct.reconstruction import Reconstruction
+from labcal.report.calibrate_result import calibrate_result, calibrate_table
 from labcal.targets.board_set import Mounting
 
 
@@ -157,3 +161,29 @@ def test_a_diagnosis_and_a_guide_take_one_board(table: Detections, tmp_path: Pat
     settings = pipeline.CaptureSettings(guide=pipeline.GuideSettings())
     with pytest.raises(InputError, match="A guided capture takes one board"):
         pipeline.capture("folder:nowhere", tmp_path / "shoot", PLATE, settings)
+
+
+def test_outliers_name_their_board(table: Detections) -> None:
+    line = int(np.flatnonzero((table.board == "b") & table.ok)[5])
+    off = table.position.copy()
+    off[line] += 3.0
+    wrong = replace(table, position=off)
+    made = pipeline.calibrate(PLATE, wrong, "brown-k1k2")
+    result = calibrate_result(made, on_target(wrong, PLATE), PLATE)
+    first = result.outliers[0]
+    assert (first.view, first.board, [first.col, first.row]) == (
+        table.view[line],
+        "b",
+        table.index[line].tolist(),
+    )
+    assert first.place() == f"b {first.col}, {first.row}"
+    assert result.centre_bias_px.max == 0.0
+    console = Console(file=StringIO(), width=100)
+    console.print(calibrate_table(result))
+    assert "corrected eccentricity" not in console.file.getvalue()  # type: ignore[attr-defined]
+
+
+def test_corners_vnl_of_one_board_among_several(table: Detections) -> None:
+    text = corners_text(table, PLATE.targets[1]).text
+    alone = on_target(table, PLATE.targets[1])
+    assert text == corners_text(alone, PLATE.targets[1]).text

@@ -21,10 +21,15 @@ def test_decimal_numbers_of_yaml() -> None:
     assert yaml_content(text, "a") == [1, -2, 3, 0, 0.5, 0.5, 2.0, 1.5e10, -1e-3, float("inf"), 9.5]
 
 
-@pytest.mark.parametrize("word", ["1_0", "\u0661", "1,5", ""])
+@pytest.mark.parametrize("word", ["1_0", "\u0661", "1,5", "", "\x1c1.5", "\x0b1.5", "1.5\x0c", "\u00a01.5"])
 def test_words_that_are_no_numbers(word: str) -> None:
     with pytest.raises(ValueError, match=r".*"):
         decimal(word)
+
+
+@pytest.mark.parametrize("word", ["1.5", " 1.5", "1.5\t", "1.5\r\n", "+1.5e0"])
+def test_words_that_are_numbers(word: str) -> None:
+    assert decimal(word) == 1.5
 
 
 @pytest.mark.parametrize("word", ["1_0", "\u0661\u0662"])

@@ -157,6 +157,7 @@ def test_pixels_of_another_program_become_points() -> None:
     ("text", "settings", "why"),
     [
         (COLMAP[:300] + "oops\n", {"from_format": "colmap-tracks"}, "is no images.txt of COLMAP, or damaged"),
+        (f"{COLMAP}\n5 6 7\n", {"from_format": "colmap-tracks"}, "is no images.txt of COLMAP, or damaged"),
         ("x,y\n1,2\n", {"from_format": "dlc"}, "is no table of DeepLabCut"),
         (DLC.replace("30.0", "high"), {"from_format": "dlc"}, "Line 4 .*'high' is no number"),
         (DLC.replace("30.0", "inf"), {"from_format": "dlc"}, "Line 4 .*'inf' is no pixel"),
