@@ -22,7 +22,7 @@ _KNOWN: tuple[tuple[str, str, str], ...] = (
     (r"\"format\":\s*\"labcal-shoot\"", "a shoot of labcal", "Calibrate it, and give its rig.json."),
     (r"^(fc|cc|kc)(_left)? *= *\[", "a script of Bouguet's calibration toolbox (Calib_Results.m)",
      "Convert Calib_Results.mat, which the toolbox saves beside it."),
-    (r"^\s*Model\s*=\s*CAHV", "a .cahvor model", "Convert it first: mrcal-from-cahvor FILE."),
+    (r"^[ \t]*Model[ \t]*=[ \t]*CAHV", "a .cahvor model", "Convert it first: mrcal-from-cahvor FILE."),
     (r"^\[(LEFT|RIGHT)_CAM_(2K|FHD|HD|VGA)", "settings of a ZED camera, with numbers for each resolution",
      "Give those of your pictures' resolution as a file of OpenCV (M1 D1 M2 D2 R T)."),
     (r"^K_0\d:.*^D_0\d:", "KITTI's calib_cam_to_cam.txt",
@@ -50,7 +50,7 @@ _KNOWN: tuple[tuple[str, str, str], ...] = (
     (r"^kind:\s*(charuco|chessboard|april|dots|grid)", "the description of a target",
      "Give the file of cameras."),
     (r"^(pitch_x_mm|square_mm|marker_mm):", "the description of a target", "Give the file of cameras."),
-    (r"\A(\s*[-+]?\d[-+.\deE]*[\s,;]*)+\Z", "numbers without names",
+    (r"\A[-+.\deE\s,;]+\Z", "numbers without names",
      f"Give them names, as OpenCV's FileStorage does, or {_SAVEZ}."),
 )  # fmt: skip
 """Patterns of the content, what it is, and advice."""
