@@ -1,5 +1,7 @@
 """The file of a rig, ``rig.json``: written, read, and checked for cameras that can be."""
 
+from pathlib import Path
+
 from labcal.arguments import object_of
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_covariance import wrong_parameters
@@ -10,6 +12,8 @@ from labcal.run.file_kinds import beginning_with
 from labcal.run.names import differ_in_case
 from labcal.run.outputs import write_file
 
+_BEGINNING = 1000
+"""Bytes of a file in which labcal's formats are named."""
 KIND = beginning_with("a rig.json", b'{\n  "format": "labcal-rig"')
 
 
@@ -67,7 +71,26 @@ def read_rig(path: AnyPath) -> Rig:
     >>> read_rig("rig.json")
     Rig(cameras=['left', 'right'], lens=brown5, baseline=200.0 mm)
     """
-    return checked_rig(read_document(Rig, "rig", as_path(path)), str(path))
+    path = as_path(path)
+    try:
+        rig = read_document(Rig, "rig", path)
+    except InputError as error:
+        if not _may_be_foreign(path):
+            raise
+        raise InputError(
+            f"{error} If it is another program's file of cameras, convert it first: labcal convert {path} "
+            "rig.json."
+        ) from error
+    return checked_rig(rig, str(path))
+
+
+def _may_be_foreign(path: Path) -> bool:
+    """Tell whether a file that is no rig is one, and does not say that it would be labcal's."""
+    try:
+        with path.open("rb") as file:
+            return b"labcal-" not in file.read(_BEGINNING)
+    except OSError:
+        return False
 
 
 def checked_rig(rig: Rig, source: str) -> Rig:

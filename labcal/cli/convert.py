@@ -94,8 +94,8 @@ def add_parser(commands: CommandGroup) -> None:
         "--size",
         type=picture_size,
         metavar="WxH",
-        help="of the pictures: for corners.vnl where they are not at hand, for files of OpenCV and VIC-3D "
-        "that do not state it",
+        help="of the pictures: for corners.vnl where they are not at hand, for files of cameras that do not "
+        "state it",
     )
     parser.add_argument(
         "--unit",

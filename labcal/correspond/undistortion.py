@@ -182,9 +182,11 @@ def _with_camera(source: Source, rig: Rig) -> Source:
         return source
     if source.camera == "camera" and len(rig.cameras) == 1:
         return replace(source, camera=next(iter(rig.cameras)))
+    named = ",".join(f"PATTERN={name}" for name in rig.cameras)
     raise InputError(
-        f"{source.image} is of camera '{source.camera}', but the rig has only {', '.join(rig.cameras)}. "
-        "Distinguish cameras by the end of the pictures' names: `cameras='_0=left,_1=right'`."
+        f"{source.image} is of camera '{source.camera}', but the rig has only {', '.join(rig.cameras)}. Give "
+        f"each the name that it has in the rig: `cameras='{named}'`, where PATTERN is the end of the "
+        "pictures' names (_0), or as in left* or LEFT/*."
     )
 
 

@@ -61,12 +61,12 @@ def _any_of(keys: Sequence[str]) -> re.Pattern[str]:
     key = (
         f"(?:(?:{sides})?(?:{'|'.join(words)})(?:{sides})?|(?:{sides})(?:{letters})|(?:{letters})(?:{sides}))"
     )
-    return re.compile(rf"""(^\s*|[{{,]\s*["']){key}["']?\s*:""", re.MULTILINE)
+    return re.compile(rf"""(^[ \t]*|[{{,]\s{{0,200}}["']){key}["']?\s{{0,200}}:""", re.MULTILINE)
 
 
 _MATRICES, _DISTORTIONS = _any_of(MATRIX), _any_of(DIST)
 _OF_OTHERS = re.compile(
-    r"^\s*(projection_matrix|cam0|projection_parameters|T_BS|Camera1?\.fx):|LENSMODEL_", re.MULTILINE
+    r"^[ \t]*(projection_matrix|cam0|projection_parameters|T_BS|Camera1?\.fx):|LENSMODEL_", re.MULTILINE
 )
 """Keys of ROS, Kalibr and programs for robots, and words of mrcal."""
 

@@ -115,9 +115,10 @@ def _write(
     spacing_m = float(target.points()[1, 0] - target.points()[0, 0]) / 1000.0
     note = (
         f"For mrcal-calibrate-cameras: --corners-cache-has-weights --object-spacing {spacing_m!r} "
-        f"--object-width-n {target.cols} --object-height-n {target.rows}. It takes the centroids of dots for "
-        "images of their centres."
+        f"--object-width-n {target.cols} --object-height-n {target.rows}."
     )
+    if _has_large_dots(target):
+        note += " It takes the centroids of dots for images of their centres."
     notes = [note]
     if found.left_out:
         alone = found.left_out == 1
@@ -136,14 +137,20 @@ def _converted(
 
 def _taken_for_centroids(target: AnyTarget) -> list[str]:
     """Return a note where dots are so large that the centroids of their images are off their centres."""
-    largest = float(target.outer_diameters_mm().max())
-    if largest <= max(_SMALL_MM, _smallest_mm(target)):
+    if not _has_large_dots(target):
         return []
+    largest = float(target.outer_diameters_mm().max())
     note = (
         f"x and y are taken for centroids of the dots of '{target.name}', {largest:g} mm wide. If they are "
-        f"corners of a chessboard, name a target with a dot_diameter_mm of {_smallest_mm(target):.3g}."
+        f"corners of a chessboard, name that as the target (kind: chessboard, with cols: {target.cols} and "
+        f"rows: {target.rows})."
     )
     return [note]
+
+
+def _has_large_dots(target: AnyTarget) -> bool:
+    """Tell whether centroids of a target's dots are off the images of their centres."""
+    return float(target.outer_diameters_mm().max()) > max(_SMALL_MM, _smallest_mm(target))
 
 
 def _smallest_mm(target: AnyTarget) -> float:

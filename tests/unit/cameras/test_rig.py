@@ -97,3 +97,13 @@ def test_an_impossible_camera_in_a_rig_is_refused(tmp_path: Path) -> None:
     path.write_text(RIG.model_dump_json().replace("700.1", "NaN"))
     with pytest.raises(InputError, match="NaN is no number of JSON"):
         read_rig(path)
+
+
+def test_a_file_of_another_program_is_to_be_converted(tmp_path: Path) -> None:
+    path = tmp_path / "camchain.yaml"
+    path.write_text("cam0:\n  camera_model: pinhole\n")
+    with pytest.raises(InputError, match=r"convert it first: labcal convert .*camchain\.yaml rig\.json"):
+        read_rig(path)
+    path.write_text('{"format": "labcal-rig", "version": 1, "cameras": {')
+    with pytest.raises(InputError, match=r"char \d+\)\.$"):
+        read_rig(path)

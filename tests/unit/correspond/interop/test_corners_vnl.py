@@ -20,6 +20,7 @@ from labcal.correspond.interop.corners_vnl import corners_text, read_corners
 from labcal.correspond.measure import detections_of, measure_picture
 from labcal.correspond.sources import loose_sources
 from labcal.errors import InputError
+from labcal.pipeline import ConvertSettings, convert
 from labcal.targets.catalogue import load_target
 from labcal.targets.charuco_opencv import opencv_board
 from labcal.targets.grid import DotGrid, Layout
@@ -325,3 +326,25 @@ def test_a_hostile_file_is_left_where_it_is_bad(
     (tmp_path / "c.vnl").write_text("# filename x y weight\n" + lines)
     with pytest.raises(InputError, match=said):
         read_corners(tmp_path / "c.vnl", square, {}, size_of)
+
+
+def test_corners_of_a_chessboard_are_taken_for_corners(tmp_path: Path) -> None:
+    """Of dots they are taken for centroids, and the note names the other kind of target."""
+    lines = [f"a.png {20 * col}.5 {20 * row}.25 0" for row in range(4) for col in range(5)]
+    (tmp_path / "corners.vnl").write_text("\n".join(["# filename x y level", *lines]) + "\n")
+    board = "kind: chessboard\nname: b\ncols: 5\nrows: 4\nsquare_mm: 20\nmargin_mm: 10\n"
+    dots = (
+        "name: d\ncols: 5\nrows: 4\npitch_x_mm: 20\npitch_y_mm: 20\ndot_diameter_mm: 8\n"
+        "polarity: black-on-white\nrings: null\nmargin_mm: 20\n"
+    )
+    notes = {}
+    for name, text in (("board", board), ("dots", dots)):
+        (tmp_path / f"{name}.yaml").write_text(text)
+        settings = ConvertSettings(target=tmp_path / f"{name}.yaml", size=(640, 480))
+        csv = tmp_path / f"{name}.csv"
+        read = convert(tmp_path / "corners.vnl", csv, settings)
+        written = convert(csv, tmp_path / f"{name}.vnl", settings.__class__(target=settings.target))
+        notes[name] = " ".join((*read.notes, *written.notes))
+    assert "centroids" not in notes["board"]
+    assert "kind: chessboard, with cols: 5 and rows: 4" in notes["dots"]
+    assert "images of their centres" in notes["dots"]
