@@ -48,8 +48,8 @@ class AprilGrid(CornerBoard):
     border_cells: Annotated[int, Field(ge=1, le=2)] = 2
     """Width of a tag's black border in cells: 2 on Kalibr's prints, 1 on most others."""
     corner_squares: bool = True
-    """Small black squares touch the tags at their corners, as on Kalibr's prints: with them, corners are more
-    exact, and edges that ink has moved cancel."""
+    """Small black squares touch the tags at their corners, as on Kalibr's prints; false for tags alone on
+    white, whose corners are less exact."""
     margin_mm: Margin = 0.0
     """Bare board around what is printed."""
 
