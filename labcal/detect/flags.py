@@ -54,11 +54,11 @@ class Refusal(StrEnum):
     MARKERS_UNREADABLE = "markers-unreadable"
     """A marker or more are read, but not the two or more that place the board."""
     OTHER_IDS = "other-ids"
-    """Markers of the target's dictionary are read, but most have ids that the target has not."""
+    """Markers or coded dots are read, but most have ids that the target has not."""
     TORN_CORNERS = "torn-corners"
     """The board is placed by its markers, but nearly none of its corners can be measured."""
     OTHER_BOARD = "other-board"
-    """Markers are seen, but not where the target has them."""
+    """Markers or coded dots are read, but not where the target has them."""
     NO_CHESSBOARD = "no-chessboard"
     """No corners of squares are seen, or they form no board."""
     BOARD_IN_PART = "board-in-part"
@@ -66,7 +66,7 @@ class Refusal(StrEnum):
     OTHER_CHESSBOARD = "other-chessboard"
     """A chessboard is seen, but with more corners than the target, or with other colours."""
     MIRRORED = "mirrored"
-    """The rings fit the target only as in a mirror."""
+    """The target is seen as in a mirror."""
     NO_USABLE_DOTS = "no-usable-dots"
     """The grid is found, but hardly any of its dots can be measured; ids and flags state what each one is."""
     GRID_INCONSISTENT = "grid-inconsistent"
@@ -117,8 +117,8 @@ _ADVICE = {
         "clean, sharp and at least 15 px across, and that glare or dirt does not cover them."
     ),
     Refusal.OTHER_IDS: (
-        "The target does not have these markers. Name the board that is in the picture, or state the id of "
-        "its first marker, first_id, in the target's description."
+        "The target does not have these ids. Name the board that is in the picture, or state the id of "
+        "its first marker, first_id (of coded dots first_mark), in the target's description."
     ),
     Refusal.TORN_CORNERS: (
         "The markers place the board, but nearly none of its corners can be measured. Check that the "
@@ -126,9 +126,10 @@ _ADVICE = {
         "are those of the print."
     ),
     Refusal.OTHER_BOARD: (
-        "Markers were found, but not in the places that the target gives them. Check its squares along x and "
-        "y, and its pattern: 'legacy' for boards made by OpenCV before 4.6. Where these are right, come "
-        "nearer: markers less than 15 px across are often read wrongly or found beside their places."
+        "Markers were found, but not in the places that the target gives them. Check its numbers of columns "
+        "and rows, its sizes and, of a ChArUco board, its pattern: 'legacy' for boards made by OpenCV before "
+        "4.6. Where these are right, come nearer: markers less than 15 px across are often read wrongly or "
+        "found beside their places."
     ),
     Refusal.NO_CHESSBOARD: (
         "No chessboard was found. Check that the board is in the picture, in focus and flat, and that a "
@@ -144,7 +145,7 @@ _ADVICE = {
         "one), and the colour of its lower left square."
     ),
     Refusal.MIRRORED: (
-        "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is "
+        "The target is seen as in a mirror. Check that the picture is not flipped, that the target is "
         "seen from its front and not in a mirror, and that it was printed without mirroring."
     ),
     Refusal.NO_USABLE_DOTS: (
