@@ -6,6 +6,7 @@ from itertools import chain
 import numpy as np
 
 from labcal.arrays import Pixels
+from labcal.detect.checks.refusals import hardly_measured
 from labcal.detect.corners.corners import Corners
 from labcal.detect.corners.enlarged import Enlarged, enlarged_picture
 from labcal.detect.corners.markers_elsewhere import ids_read
@@ -27,6 +28,10 @@ from labcal.wording import counted
 
 _SMALL_CELL_PX = 3.0
 """Side of a cell below which an enlarged picture may show more of them."""
+_LEAST_CELL_PX = 2.0
+"""Side of a cell below which corners of tags run into each other."""
+_SOFTEST = 0.95
+"""Blur of the edges, of a cell's side, from which on corners are not where a fit finds them."""
 _FEWEST = 4
 """Corners that determine a homography."""
 _ENOUGH = 0.5
@@ -57,15 +62,31 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     seen, placed = _placed(grey, grid, settings)
     if not placed:
         refusal, detail = _why_not(seen, grid)
+        if refusal is Refusal.NO_MARKERS and _placed(np.ascontiguousarray(grey[:, ::-1]), grid, settings)[1]:
+            refusal = Refusal.MIRRORED
         return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
     corners = measured_tags(grey, grid, placed, settings.corner)
     dots = picture_corners(corners, grey, None, settings)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
+    cell = _cell_px(list(placed.values()), grid)
+    if cell < _LEAST_CELL_PX and hardly_measured(dots, settings.quality):
+        return dots.refused(Refusal.TOO_SMALL, f"A cell of a tag is {cell:.1f} px wide.")
     if not corners.select(ok).spans_a_plane():
         detail = f"{counted(len(placed), 'tag')} of {grid.tag_count} and {len(ok)} of its {grid.count} "
         detail += "corners were found."
         return refused_as_few(dots, corners.index, detail)
-    return dots if _is_smooth(corners, ok, settings) else dots.refused(Refusal.GRID_INCONSISTENT)
+    if not _is_smooth(corners, ok, settings):
+        return dots.refused(Refusal.GRID_INCONSISTENT)
+    return _unless_too_soft(dots, corners, cell)
+
+
+def _unless_too_soft(dots: PictureDots, corners: Corners, cell_px: float) -> PictureDots:
+    """Return the corners of a picture, refused where cells run into each other: nothing is certain there."""
+    blur = float(np.median([fit.state[4:6].max() for fit in corners.fits if fit is not None]))
+    if blur < _SOFTEST * cell_px:
+        return dots
+    detail = f"A cell of a tag is {cell_px:.1f} px wide, and edges are blurred by {blur:.1f} px."
+    return dots.refused(Refusal.BLURRED, detail)
 
 
 def _placed(

@@ -36,7 +36,9 @@ class Refusal(StrEnum):
     SATURATED = "saturated"
     """Half of the picture is burnt out or black, and there is no grid in the rest."""
     BLURRED = "blurred"
-    """There are spots, but their edges are as wide as they are."""
+    """There are spots or codes, but their edges are as wide as they are."""
+    TOO_SMALL = "too-small"
+    """The target is seen, but its dots, squares or codes are too small in the picture to be measured."""
     TOO_FEW_DOTS = "too-few-dots"
     """Fewer dots, or corners, are in the frame than a grid needs."""
     NO_GRID = "no-grid"
@@ -56,7 +58,7 @@ class Refusal(StrEnum):
     OTHER_IDS = "other-ids"
     """Markers or coded dots are read, but most have ids that the target has not."""
     TORN_CORNERS = "torn-corners"
-    """The board is placed by its markers, but nearly none of its corners can be measured."""
+    """The board is found, but too few of its corners can be measured."""
     OTHER_BOARD = "other-board"
     """Markers or coded dots are read, but not where the target has them."""
     NO_CHESSBOARD = "no-chessboard"
@@ -64,7 +66,7 @@ class Refusal(StrEnum):
     BOARD_IN_PART = "board-in-part"
     """A part of a chessboard is seen, and no marks that number it."""
     OTHER_CHESSBOARD = "other-chessboard"
-    """A chessboard is seen, but with more corners than the target, or with other colours."""
+    """A chessboard is seen, but with more corners than the target, other colours or other marks."""
     MIRRORED = "mirrored"
     """The target is seen as in a mirror."""
     NO_USABLE_DOTS = "no-usable-dots"
@@ -83,8 +85,13 @@ _ADVICE = {
         "the light, so that the bare board is at three quarters of the range."
     ),
     Refusal.BLURRED: (
-        "Spots were found, but their edges are as wide as they are. Focus on the target, and let it be still "
-        "while the shutter is open."
+        "The target's dots, corners or codes are blurred: their edges are as wide as they are. Focus on the "
+        "target, and let it be still while the shutter is open."
+    ),
+    Refusal.TOO_SMALL: (
+        "The target is seen, but too small to be measured. Come nearer, or take a longer lens, more pixels "
+        "or a target with larger dots or squares: a dot or a square of a chessboard should be 10 px across "
+        "or more, a square with a marker 15 px, a cell of a tag 2 px."
     ),
     Refusal.TOO_FEW_DOTS: "Too few dots were found. Move the target so that more of it is in the frame.",
     Refusal.NO_GRID: (
@@ -121,9 +128,9 @@ _ADVICE = {
         "its first marker, first_id (of coded dots first_mark), in the target's description."
     ),
     Refusal.TORN_CORNERS: (
-        "The markers place the board, but nearly none of its corners can be measured. Check that the "
-        "corners, where squares touch, are clean, sharp and not covered, and that marker_mm and square_mm "
-        "are those of the print."
+        "The board is found, but too few of its corners can be measured. Check that the corners, where "
+        "squares touch, are clean, sharp and not covered, and that marker_mm and square_mm, where the target "
+        "has them, are those of the print."
     ),
     Refusal.OTHER_BOARD: (
         "Markers were found, but not in the places that the target gives them. Check its numbers of columns "
@@ -142,7 +149,7 @@ _ADVICE = {
     ),
     Refusal.OTHER_CHESSBOARD: (
         "A chessboard was found that is not the target's. Check its numbers of inner corners (squares less "
-        "one), and the colour of its lower left square."
+        "one), the colour of its lower left square, and its marks."
     ),
     Refusal.MIRRORED: (
         "The target is seen as in a mirror. Check that the picture is not flipped, that the target is "

@@ -73,7 +73,7 @@ def wider_fits(
         found = widen(grey, near, fit.state, settings)
         if found is not None:
             wide[node] = found
-    wide = _clear(wide, settings.clear_roughness_factor)
+    wide = _clear(wide, settings)
     final = {node: fits[node] for node in fits if node in clear}
     if not wide:
         return final
@@ -85,13 +85,18 @@ def wider_fits(
     return final | known_light_fits(fits, wide, (slopes, bends), settings)
 
 
-def _clear(wide: dict[Node, SettledCorner], factor: float) -> dict[Node, SettledCorner]:
-    """Return the fits that are not much rougher than those around: nothing lies in the squares of these."""
+def _clear(wide: dict[Node, SettledCorner], settings: CornerSettings) -> dict[Node, SettledCorner]:
+    """Return the fits that are not much rougher than those around: nothing lies in the squares of these.
+
+    Edges without any blur leave residuals that depend on where they run between pixels.
+    """
     if not wide:
         return wide
     grid, roughness = NodeGrid.of(list(wide)), np.array([one.roughness for one in wide.values()])
     usual = median_around(grid.spread(roughness), _ROUGH_NODES)[grid.at]
-    return {node: wide[node] for node, ok in zip(wide, roughness <= factor * usual, strict=True) if ok}
+    sharp = np.array([one.state[4:6].min() <= settings.min_blur_px for one in wide.values()])
+    most = settings.clear_roughness_factor * usual + np.where(sharp, settings.roughness_share, 0.0)
+    return {node: wide[node] for node, ok in zip(wide, roughness <= most, strict=True) if ok}
 
 
 def _steps(places: np.ndarray, usual: np.ndarray) -> np.ndarray:
