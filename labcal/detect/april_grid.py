@@ -62,7 +62,7 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     seen, placed = _placed(grey, grid, settings)
     if not placed:
         refusal, detail = _why_not(seen, grid)
-        if refusal is Refusal.NO_MARKERS and _placed(np.ascontiguousarray(grey[:, ::-1]), grid, settings)[1]:
+        if _placed(np.ascontiguousarray(grey[:, ::-1]), grid, settings)[1]:
             refusal = Refusal.MIRRORED
         return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
     corners = measured_tags(grey, grid, placed, settings.corner)

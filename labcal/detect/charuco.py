@@ -59,7 +59,7 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
         refusal, detail = why_not_in_place(seen, board, settings.corner)
         unread = refusal in (Refusal.NO_MARKERS, Refusal.MARKERS_UNREADABLE)
         found = corners_by_codes(grey, board, settings) if unread else Corners.none()
-        if len(found.index) == 0 and refusal is Refusal.NO_MARKERS and _in_a_mirror(grey, board, settings):
+        if len(found.index) == 0 and _in_a_mirror(grey, board, settings):
             refusal = Refusal.MIRRORED
         if len(found.index) == 0:
             return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)

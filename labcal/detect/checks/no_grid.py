@@ -15,6 +15,8 @@ from labcal.wording import counted
 
 _LINES_TELL = (Refusal.AMBIGUOUS, Refusal.AMBIGUOUS_RINGS, Refusal.NO_RINGS, Refusal.MIRRORED)
 _MAY_BE_SMALL = (Refusal.NO_DOTS, Refusal.TOO_FEW_DOTS, Refusal.NO_GRID)
+_LEAST_HOLE_PX = 2.5
+"""Width of the hole of a ring, below which it may look like a dot."""
 _ENLARGED = 3
 _SPECK_PX = 7
 """Side of the window in which a speck is darker than what surrounds it."""
@@ -42,13 +44,23 @@ def why_no_grid(
     settings : DetectSettings
     """
     if refusal in _LINES_TELL:
-        return refusal, lines_seen(candidates.whole, target, settings.grid)
+        words = lines_seen(candidates.whole, target, settings.grid)
+        hole = _hole_px(candidates, target)
+        if refusal is Refusal.NO_RINGS and hole < _LEAST_HOLE_PX:
+            return Refusal.TOO_SMALL, f"{words} The holes of its rings are some {hole:.1f} px wide."
+        return refusal, words
     if refusal not in _MAY_BE_SMALL:
         return refusal, ""
     small = _small_dots(grey, target, settings)
     if small is not None:
         return Refusal.TOO_SMALL, f"A grid of dots some {small:.1f} px across was seen."
     return refusal, _spots_words(refusal, candidates, settings.grid.min_dots)
+
+
+def _hole_px(candidates: Candidates, target: DotGrid) -> float:
+    """Return the usual width of a ring's hole, by the size of the spots, px."""
+    radius = candidates.whole.radius
+    return 2.0 * target.hole_share * float(np.median(radius)) if len(radius) else float("inf")
 
 
 def _spots_words(refusal: Refusal, candidates: Candidates, least: int) -> str:
