@@ -53,10 +53,12 @@ def dots_drawn(make_board: MakeBoard, target: DotGrid, **how: Any) -> np.ndarray
 
 
 def test_dots_that_are_too_small_are_not_told_to_be_too_few(make_board: MakeBoard) -> None:
-    for target in (RINGS, PLAIN_DOTS):
-        dots = detect_dots(dots_drawn(make_board, target, distance=1150.0), target)
-        assert dots.refusal is Refusal.TOO_SMALL
-        assert "some 3." in dots.why or "its rings are some 1." in dots.why
+    rings = detect_dots(dots_drawn(make_board, RINGS, distance=1150.0), RINGS)
+    assert rings.refusal is Refusal.TOO_SMALL
+    assert "The holes of its rings are some 1." in rings.why
+    plain = detect_dots(dots_drawn(make_board, PLAIN_DOTS, distance=1800.0), PLAIN_DOTS)
+    assert plain.refusal is Refusal.TOO_SMALL
+    assert plain.why.startswith("A grid of dots some 2.")
     assert detect_dots(dots_drawn(make_board, RINGS, distance=400.0), RINGS).indexed
 
 
