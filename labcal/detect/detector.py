@@ -14,6 +14,7 @@ from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.foreign_dots import require_detections
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.grid import Grid, find_grid
+from labcal.detect.lattice.bare_paper import dots_of_lines
 from labcal.detect.lattice.marks_beside import dots_among
 from labcal.detect.lattice.missed import with_missed
 from labcal.detect.lattice.plain import continues_beyond_grid, with_symmetric_numberings
@@ -125,6 +126,8 @@ def _detect(
     )
     if target.rings is None:
         further = dots_among(unmeasured, predictor, candidates.whole, settings.grid)
+        if continues_beyond_grid(further, numbering, target, settings.grid):
+            further = dots_of_lines(grey, further, predictor, numbering, target)
         if continues_beyond_grid(further, numbering, target, settings.grid):
             every = _unnamed(candidates.whole.joined(candidates.cut), set())
             detail = "The target's columns and rows were seen, and dots beyond them."
