@@ -64,9 +64,9 @@ def number_board(seen: SeenBoard, board: Chessboard, settings: DetectSettings) -
     if (extent > lines).any():
         return Refusal.OTHER_CHESSBOARD
     marks = read_marks(seen.lattice, seen.saddles, seen.grey, settings.saddle) if board.marks else {}
-    told = sum(marks.values()) >= settings.saddle.min_marks
-    places = _marked_places(seen, board, nodes, marks) if told else []
-    if told and not places:
+    are_read = sum(marks.values()) >= settings.saddle.min_marks
+    places = _marked_places(seen, board, nodes, marks) if are_read else []
+    if are_read and not places:
         return _of_other_marks(seen, board, nodes, marks)
     if not places:
         places = _whole_places(seen, board, nodes, settings.saddle)

@@ -59,8 +59,8 @@ def agreement(place: Float64[np.ndarray, "n 2"], q: Pixels, outline: PixelCovari
     pairs = np.unique(np.sort(np.stack([here, there], axis=1), axis=1), axis=0)
     between = geometric_mean(flatten[pairs[:, 0]], flatten[pairs[:, 1]])
     seen = np.linalg.norm(np.einsum("nij,nj->ni", between, q[pairs[:, 1]] - q[pairs[:, 0]]), axis=1)
-    told = np.linalg.norm(place[pairs[:, 1]] - place[pairs[:, 0]], axis=1)
-    fits = np.abs(np.log(seen / np.maximum(told, 1e-9))) < _LARGEST_LOG
+    printed = np.linalg.norm(place[pairs[:, 1]] - place[pairs[:, 0]], axis=1)
+    fits = np.abs(np.log(seen / np.maximum(printed, 1e-9))) < _LARGEST_LOG
     ok = _without_worst(pairs, fits, n)
     return Agreement(ok, _is_mirrored(place, q, near, ok))
 
