@@ -109,7 +109,8 @@ _ADVICE = {
     Refusal.AMBIGUOUS: (
         "The dots are all alike, and their numbering is not determined. Show the whole grid, with nothing "
         "hidden at its edges and all cameras in the same orientation; check that the target has as many "
-        "columns and rows as the print; or use a target with rings, which need not be seen whole."
+        "columns and rows as the print; or show the code of the print beside a part; or use a target with "
+        "rings, which need not be seen whole."
     ),
     Refusal.NO_MARKERS: (
         "No marker of the board was found. Check that the board is in the picture, sharp and not mirrored, "
@@ -145,7 +146,7 @@ _ADVICE = {
     Refusal.BOARD_IN_PART: (
         "Only a part of the chessboard was found, and nothing numbers it. Show three neighbouring corners at "
         "least of each outermost line; check that the target has as many inner corners as the print; or "
-        "use a board with marks, or a ChArUco board."
+        "show the code of the print beside the part; or use a board with marks, or a ChArUco board."
     ),
     Refusal.OTHER_CHESSBOARD: (
         "A chessboard was found that is not the target's. Check its numbers of inner corners (squares less "

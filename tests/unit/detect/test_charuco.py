@@ -170,7 +170,7 @@ def test_pictures_of_something_else_are_refused() -> None:
     others = MarkerDictionary.DICT_4X4_50
     assert detect_dots(picture, BOARD.model_copy(update={"dictionary": others})).refusal is Refusal.NO_MARKERS
     mirrored = np.ascontiguousarray(picture[:, ::-1])
-    assert detect_dots(mirrored, BOARD).refusal is Refusal.NO_MARKERS
+    assert detect_dots(mirrored, BOARD).refusal is Refusal.MIRRORED
     rows = detect_dots(np.ascontiguousarray(picture[:, :130]), BOARD)
     assert rows.refusal in (Refusal.TOO_FEW_DOTS, Refusal.NO_MARKERS)
     assert not rows.has_id.any()
