@@ -57,16 +57,19 @@ def measure_picture(
     in pictures that would be refused without.
     """
     from labcal.detect.codes.own_board import own_board_only, own_board_where_seen  # noqa: PLC0415 -- cv2
+    from labcal.detect.codes.part_by_code import placed_by_code  # noqa: PLC0415 -- the same
     from labcal.detect.detector import detect_dots  # noqa: PLC0415 -- imports Numba, which tables do not need
 
     def measured(picture: np.ndarray) -> Measurement:
         light = undone(picture, tone_curve)
         if isinstance(target, PrintedTarget):
-            return _measurement(source, detect_dots(own_board_only(light, target), target.target, settings))
+            dots = detect_dots(own_board_only(light, target), target.target, settings)
+            return _measurement(source, placed_by_code(light, dots, target))
         dots = detect_dots(light, target, settings)
         if dots.refusal is not None:
             own = own_board_where_seen(light, target)
-            dots = dots if own is light else detect_dots(own, target, settings)
+            if own is not light:
+                dots = placed_by_code(light, detect_dots(own, target, settings), PrintedTarget(target))
         return _measurement(source, dots)
 
     return read_and(source, measured, _lost)

@@ -7,6 +7,7 @@ import numpy as np
 
 from labcal.arrays import DotIndices, Pixels
 from labcal.detect.bare_tags import bare_corners, has_corner_squares, read_bare_tags
+from labcal.detect.checks.refusals import hardly_measured
 from labcal.detect.corners.corner_agreement import without_disagreeing
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.enlarged import Enlarged, enlarged_picture
@@ -30,6 +31,10 @@ from labcal.wording import counted
 
 _SMALL_CELL_PX = 3.0
 """Side of a cell below which an enlarged picture may show more of them."""
+_LEAST_CELL_PX = 2.0
+"""Side of a cell below which corners of tags run into each other."""
+_SOFTEST = 0.95
+"""Blur of the edges, of a cell's side, from which on corners are not where a fit finds them."""
 _FEWEST = 4
 """Corners that determine a homography."""
 _ON_A_LINE = 1e-6
@@ -71,25 +76,41 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
         if has_corner_squares(grey, grid, placed):
             return _refused(grey, (Refusal.CORNER_SQUARES, _HAS_SQUARES), settings)
     if not placed:
-        return _refused(grey, _why_not(grey, seen, grid, settings), settings)
+        refusal, detail = _why_not(grey, seen, grid, settings)
+        if grid.corner_squares and _placed(np.ascontiguousarray(grey[:, ::-1]), grid, settings)[1]:
+            refusal = Refusal.MIRRORED
+        return _refused(grey, (refusal, detail), settings)
     if grid.corner_squares:
         corners = measured_tags(grey, grid, placed, settings.corner)
     else:
         corners = bare_corners(grey, grid, placed, settings.corner)
     dots = picture_corners(corners, grey, None, settings)
+    cell = _cell_px(list(placed.values()), grid)
+    if cell < _LEAST_CELL_PX and hardly_measured(dots, settings.quality):
+        return dots.refused(Refusal.TOO_SMALL, f"A cell of a tag is {cell:.1f} px wide.")
     dots = without_disagreeing(dots, grid.points(dots.index)[:, :2])
     index = dots.index[dots.ok]
     if not spans_a_plane(index):
         detail = f"{counted(len(placed), 'tag')} of {grid.tag_count} and {len(index)} of its {grid.count} "
         detail += "corners were found."
         return refused_as_few(dots, corners.index, detail)
-    smooth = _is_smooth(index, dots.position[dots.ok], settings)
-    return dots if smooth else dots.refused(Refusal.GRID_INCONSISTENT)
+    if not _is_smooth(index, dots.position[dots.ok], settings):
+        return dots.refused(Refusal.GRID_INCONSISTENT)
+    return _unless_too_soft(dots, corners, cell)
 
 
 def _refused(grey: GreyPicture, why: tuple[Refusal, str], settings: DetectSettings) -> PictureDots:
     """Return a picture without corners, refused for a reason, with a sentence on what was seen."""
     return picture_corners(Corners.none(), grey, None, settings).refused(*why)
+
+
+def _unless_too_soft(dots: PictureDots, corners: Corners, cell_px: float) -> PictureDots:
+    """Return the corners of a picture, refused where cells run into each other: nothing is certain there."""
+    blur = float(np.median([fit.state[4:6].max() for fit in corners.fits if fit is not None]))
+    if blur < _SOFTEST * cell_px:
+        return dots
+    detail = f"A cell of a tag is {cell_px:.1f} px wide, and edges are blurred by {blur:.1f} px."
+    return dots.refused(Refusal.BLURRED, detail)
 
 
 def _placed(

@@ -6,7 +6,7 @@ from labcal.detect.corners.board_by_codes import corners_by_codes
 from labcal.detect.corners.corners import Corners, measured_corners
 from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
 from labcal.detect.corners.markers_elsewhere import why_not_in_place
-from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
+from labcal.detect.corners.picture_corners import picture_corners, refused_as_torn, square_px
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
@@ -59,6 +59,8 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
         refusal, detail = why_not_in_place(seen, board, settings.corner)
         unread = refusal in (Refusal.NO_MARKERS, Refusal.MARKERS_UNREADABLE)
         found = corners_by_codes(grey, board, settings) if unread else Corners.none()
+        if len(found.index) == 0 and _in_a_mirror(grey, board, settings):
+            refusal = Refusal.MIRRORED
         if len(found.index) == 0:
             return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
     corners = measured_corners(grey, board, found, settings)
@@ -70,12 +72,28 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     dots = picture_corners(corners, grey, None, settings)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not found.spans_a_plane() or not corners.select(ok).spans_a_plane():
-        detail = f"{counted(len(placed.number), 'marker')} of {board.marker_count} and {len(ok)} of its "
-        detail += f"{board.count} corners were found."
-        return refused_as_few(dots, found.index, detail)
+        by = counted(len(placed.number), "marker") if len(placed.number) else "the likeness of its codes"
+        detail = f"{len(found.index)} of the board's {board.count} corners were placed by {by}, {len(ok)} "
+        detail += "measured."
+        if len(placed.number) == 0 and _has_large_squares(found, board, settings.corner):
+            return dots.refused(Refusal.BLURRED, f"{detail} No marker is sharp enough to be read.")
+        return refused_as_torn(dots, found.index, detail, settings.corner)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     smooth = is_smooth(lattice, corners.seen_at, settings.grid)
     return dots if smooth else dots.refused(Refusal.GRID_INCONSISTENT)
+
+
+def _has_large_squares(found: Corners, board: CharucoBoard, settings: CornerSettings) -> bool:
+    """Tell whether markers are so large in the picture that blur alone can hide their codes."""
+    marker = square_px(found.index, found.seen_at) * board.marker_mm / board.square_mm
+    return marker > 2.0 * settings.min_marker_px
+
+
+def _in_a_mirror(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> bool:
+    """Tell whether markers place the board in a mirrored picture."""
+    mirrored = np.ascontiguousarray(grey[:, ::-1])
+    seen = _read(mirrored, board, settings.corner)
+    return len(markers_in_place(seen, board, settings.corner).number) > 0
 
 
 def _read(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings) -> SeenMarkers:

@@ -8,14 +8,15 @@ import numpy as np
 from labcal.detect.corners.board_lattice import find_board_lattices
 from labcal.detect.corners.board_numbering import SeenBoard, number_board, part_numberings
 from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
-from labcal.detect.corners.outer_lines import shows_outer_lines
-from labcal.detect.corners.picture_corners import picture_corners
+from labcal.detect.corners.outer_lines import shown_lines, shows_outer_lines
+from labcal.detect.corners.picture_corners import picture_corners, refused_as_torn
 from labcal.detect.corners.reduced import Reduced, coarser_pictures, reduced_pictures
 from labcal.detect.corners.saddles import Saddles, find_saddles
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.lines_seen import lines_words
 from labcal.detect.lattice.rings import Numbering
 from labcal.detect.lattice.rough_undistortion import NONE
 from labcal.detect.lattice.smoothness import is_smooth
@@ -35,6 +36,7 @@ class _Found:
     refusal: Refusal | None
     seen: int
     numberings: tuple[Numbering, ...] = ()
+    detail: str = ""
 
 
 def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSettings) -> PictureDots:
@@ -59,19 +61,38 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     found = _found(grey, board, settings)
     if found.refusal is not None:
         refused = picture_corners(Corners.none(), grey, found.refusal, settings)
-        return replace(refused, part=_part(grey, board, found, settings))
+        return replace(refused, part=_part(grey, board, found, settings), detail=found.detail)
     corners = measured_corners(grey, board, found.corners, settings)
     corners = widened_corners(grey, board, corners, settings.corner)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not corners.select(ok).spans_a_plane():
-        return picture_corners(corners, grey, Refusal.TOO_FEW_DOTS, settings)
+        return _torn(grey, board, corners, settings)
     if not board.marks and not _shows_its_rim(corners.index[ok], board, settings.saddle):
-        return picture_corners(corners, grey, Refusal.BOARD_IN_PART, settings)
+        if _has_hard_edges(corners, settings) and _shows_its_rim(found.corners.index, board, settings.saddle):
+            return _torn(grey, board, corners, settings)
+        detail = "An outermost line of the board was seen, but its corners are not clear enough to number it."
+        return replace(picture_corners(corners, grey, Refusal.BOARD_IN_PART, settings), detail=detail)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     if not is_smooth(lattice, corners.seen_at, settings.grid):
         return picture_corners(corners, grey, Refusal.GRID_INCONSISTENT, settings)
     dots = picture_corners(corners, grey, None, settings)
     return replace(dots, others=board.symmetric_indices(dots.index))
+
+
+def _torn(grey: GreyPicture, board: Chessboard, corners: Corners, settings: DetectSettings) -> PictureDots:
+    """Return the corners of a board that is seen and numbered, refused because too few are measured."""
+    measured = sum(fit is not None for fit in corners.fits)
+    detail = f"{len(corners.index)} of the board's {board.count} corners were seen, {measured} measured."
+    if _has_hard_edges(corners, settings):
+        detail += " The edges have no blur, as in a drawing or a picture made black and white."
+    dots = picture_corners(corners, grey, None, settings)
+    return refused_as_torn(dots, corners.index, detail, settings.corner)
+
+
+def _has_hard_edges(corners: Corners, settings: DetectSettings) -> bool:
+    """Tell whether most of the measured corners have edges without blur, between which no fit settles."""
+    blurs = [fit.state[4:6].min() for fit in corners.fits if fit is not None]
+    return bool(blurs) and float(np.median(blurs)) <= settings.corner.min_blur_px
 
 
 def _shows_its_rim(index: np.ndarray, board: Chessboard, settings: SaddleSettings) -> bool:
@@ -108,15 +129,27 @@ def _found_at(level: Reduced, board: Chessboard, settings: DetectSettings) -> _F
     seen = len(lattices[0]) if lattices else 0
     if len(numbered) != 1:
         first = outcomes[0] if outcomes else Refusal.NO_CHESSBOARD
+        detail = _lines_seen(lattices[0], saddles, level, board, settings.saddle) if lattices else ""
         if first is Refusal.BOARD_IN_PART and not board.marks:
-            return _found_part(lattices[0], saddles, level, board, settings)
-        return _Found(Corners.none(), first if isinstance(first, Refusal) else Refusal.AMBIGUOUS, seen)
+            return replace(_found_part(lattices[0], saddles, level, board, settings), detail=detail)
+        refusal = first if isinstance(first, Refusal) else Refusal.AMBIGUOUS
+        return _Found(Corners.none(), refusal, seen, detail=detail)
     lattice, numbering = numbered[0]
     if not is_smooth(lattice, saddles.place, settings.grid):
         return _Found(Corners.none(), Refusal.GRID_INCONSISTENT, seen)
     corners = _rough_corners(lattice, numbering, saddles, level)
     own = ((corners.index >= 0) & (corners.index < [board.cols, board.rows])).all(axis=1)
     return _Found(corners.select(np.flatnonzero(own)), None, seen)
+
+
+def _lines_seen(
+    lattice: Lattice, saddles: Saddles, level: Reduced, board: Chessboard, settings: SaddleSettings
+) -> str:
+    """Return how many columns and rows of corners are seen, and where, as a sentence."""
+    nodes = np.array(list(lattice.spots), dtype=np.int64)
+    shown = shown_lines(nodes, settings)
+    nodes, q = nodes[shown], level.in_full(saddles.place[list(lattice.spots.values())])[shown]
+    return lines_words(nodes, q, "corners", (board.cols, board.rows))
 
 
 def _found_part(

@@ -6,14 +6,16 @@ from dataclasses import replace
 import numpy as np
 
 from labcal.detect.checks.missing_dots import unmeasured_dots
-from labcal.detect.checks.refusals import cause, hardly_measured
+from labcal.detect.checks.no_grid import why_no_grid
+from labcal.detect.checks.refusals import cause, hardly_measured, in_this_light
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import fit_edges
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.foreign_dots import require_detections
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.grid import Grid, find_grid
-from labcal.detect.lattice.marks_beside import dots_among, lines_seen
+from labcal.detect.lattice.bare_paper import dots_of_lines
+from labcal.detect.lattice.marks_beside import dots_among
 from labcal.detect.lattice.missed import with_missed
 from labcal.detect.lattice.plain import continues_beyond_grid, with_symmetric_numberings
 from labcal.detect.lattice.plain_part import plain_part
@@ -57,7 +59,7 @@ def detect_dots(image: AnyPicture, target: AnyTarget, settings: DetectSettings |
         user's whose detector fails, or returns what is no detection.
     """
     settings = DEFAULTS if settings is None else settings
-    found = _detect_dots(image, target, settings)
+    found = in_this_light(_detect_dots(image, target, settings), image, settings)
     refused = found.indexed and hardly_measured(found, settings.quality)
     return found.unusable() if refused else found
 
@@ -106,9 +108,9 @@ def _detect(
     candidates, grid = _search(grey, target, settings)
     if isinstance(grid, Refusal):
         refusal = cause(grid, grey, candidates.whole, settings)
-        seen = refusal is Refusal.AMBIGUOUS
-        detail = lines_seen(candidates.whole, target, settings.grid) if seen else ""
+        refusal, detail = why_no_grid(refusal, grey, candidates, target, settings)
         every = _unnamed(candidates.whole.joined(candidates.cut), set())
+        seen = refusal is Refusal.AMBIGUOUS
         part = _part(picture, polarity, candidates.whole, target, settings) if seen else None
         return replace(_collect(every, size, polarity, refusal), detail=detail, part=part)
     numbering = grid.numbering
@@ -124,6 +126,8 @@ def _detect(
     )
     if target.rings is None:
         further = dots_among(unmeasured, predictor, candidates.whole, settings.grid)
+        if continues_beyond_grid(further, numbering, target, settings.grid):
+            further = dots_of_lines(grey, further, predictor, numbering, target)
         if continues_beyond_grid(further, numbering, target, settings.grid):
             every = _unnamed(candidates.whole.joined(candidates.cut), set())
             detail = "The target's columns and rows were seen, and dots beyond them."

@@ -1,5 +1,6 @@
 """Result of detection in one picture: dots with positions, covariances, ids and flags."""
 
+from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from jaxtyping import Float64, Int
 from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.flags import DotFlag, Refusal, advice
 from labcal.targets.grid import Polarity
+from labcal.wording import listed
 
 
 @dataclass(frozen=True)
@@ -138,9 +140,12 @@ class PictureDots:
     def unusable(self) -> "PictureDots":
         """Return the dots as they were found, but refused: hardly any fits, the others by chance."""
         ok = self.ok
+        count = Counter(flag for flag in self.flag if flag not in (DotFlag.OK, DotFlag.NO_ID))
+        flags = listed([f"{number} {flag.value}" for flag, number in count.most_common()])
         return replace(
             self,
             refusal=Refusal.NO_USABLE_DOTS,
+            detail=f"{int(ok.sum())} of {int(self.has_id.sum())} were measured; not measured: {flags}.",
             others=(),
             position=np.where(ok[:, None], np.nan, self.position),
             covariance=np.where(ok[:, None, None], np.nan, self.covariance),

@@ -36,7 +36,9 @@ class Refusal(StrEnum):
     SATURATED = "saturated"
     """Half of the picture is burnt out or black, and there is no grid in the rest."""
     BLURRED = "blurred"
-    """There are spots, but their edges are as wide as they are."""
+    """There are spots or codes, but their edges are as wide as they are."""
+    TOO_SMALL = "too-small"
+    """The target is seen, but its dots, squares or codes are too small in the picture to be measured."""
     TOO_FEW_DOTS = "too-few-dots"
     """Fewer dots, or corners, are in the frame than a grid needs."""
     NO_GRID = "no-grid"
@@ -54,11 +56,11 @@ class Refusal(StrEnum):
     MARKERS_UNREADABLE = "markers-unreadable"
     """A marker or more are read, but not the two or more that place the board."""
     OTHER_IDS = "other-ids"
-    """Markers of the target's dictionary are read, but most have ids that the target has not."""
+    """Markers or coded dots are read, but most have ids that the target has not."""
     TORN_CORNERS = "torn-corners"
-    """The board is placed by its markers, but nearly none of its corners can be measured."""
+    """The board is found, but too few of its corners can be measured."""
     OTHER_BOARD = "other-board"
-    """Markers are seen, but not where the target has them."""
+    """Markers or coded dots are read, but not where the target has them."""
     CORNER_SQUARES = "corner-squares"
     """Tags of an AprilGrid are in place; small squares at their corners are not as the target has them."""
     NO_CHESSBOARD = "no-chessboard"
@@ -66,9 +68,9 @@ class Refusal(StrEnum):
     BOARD_IN_PART = "board-in-part"
     """A part of a chessboard is seen, and no marks that number it."""
     OTHER_CHESSBOARD = "other-chessboard"
-    """A chessboard is seen, but with more corners than the target, or with other colours."""
+    """A chessboard is seen, but with more corners than the target, other colours or other marks."""
     MIRRORED = "mirrored"
-    """The rings fit the target only as in a mirror."""
+    """The target is seen as in a mirror."""
     NO_USABLE_DOTS = "no-usable-dots"
     """The grid is found, but hardly any of its dots can be measured; ids and flags state what each one is."""
     GRID_INCONSISTENT = "grid-inconsistent"
@@ -85,8 +87,13 @@ _ADVICE = {
         "the light, so that the bare board is at three quarters of the range."
     ),
     Refusal.BLURRED: (
-        "Spots were found, but their edges are as wide as they are. Focus on the target, and let it be still "
-        "while the shutter is open."
+        "The target's dots, corners or codes are blurred: their edges are as wide as they are. Focus on the "
+        "target, and let it be still while the shutter is open."
+    ),
+    Refusal.TOO_SMALL: (
+        "The target is seen, but too small to be measured. Come nearer, or take a longer lens, more pixels "
+        "or a target with larger dots or squares: a dot or a square of a chessboard should be 10 px across "
+        "or more, a square with a marker 15 px, a cell of a tag 2 px."
     ),
     Refusal.TOO_FEW_DOTS: "Too few dots were found. Move the target so that more of it is in the frame.",
     Refusal.NO_GRID: (
@@ -104,7 +111,8 @@ _ADVICE = {
     Refusal.AMBIGUOUS: (
         "The dots are all alike, and their numbering is not determined. Show the whole grid, with nothing "
         "hidden at its edges and all cameras in the same orientation; check that the target has as many "
-        "columns and rows as the print; or use a target with rings, which need not be seen whole."
+        "columns and rows as the print; or show the code of the print beside a part; or use a target with "
+        "rings, which need not be seen whole."
     ),
     Refusal.NO_MARKERS: (
         "No marker of the board was found. Check that the board is in the picture, sharp and not mirrored, "
@@ -119,18 +127,19 @@ _ADVICE = {
         "clean, sharp and at least 15 px across, and that glare or dirt does not cover them."
     ),
     Refusal.OTHER_IDS: (
-        "The target does not have these markers. Name the board that is in the picture, or state the id of "
-        "its first marker, first_id, in the target's description."
+        "The target does not have these ids. Name the board that is in the picture, or state the id of "
+        "its first marker, first_id (of coded dots first_mark), in the target's description."
     ),
     Refusal.TORN_CORNERS: (
-        "The markers place the board, but nearly none of its corners can be measured. Check that the "
-        "corners, where squares touch, are clean, sharp and not covered, and that marker_mm and square_mm "
-        "are those of the print."
+        "The board is found, but too few of its corners can be measured. Check that the corners, where "
+        "squares touch, are clean, sharp and not covered, and that marker_mm and square_mm, where the target "
+        "has them, are those of the print."
     ),
     Refusal.OTHER_BOARD: (
-        "Markers were found, but not in the places that the target gives them. Check its squares along x and "
-        "y, and its pattern: 'legacy' for boards made by OpenCV before 4.6. Where these are right, come "
-        "nearer: markers less than 15 px across are often read wrongly or found beside their places."
+        "Markers were found, but not in the places that the target gives them. Check its numbers of columns "
+        "and rows, its sizes and, of a ChArUco board, its pattern: 'legacy' for boards made by OpenCV before "
+        "4.6. Where these are right, come nearer: markers less than 15 px across are often read wrongly or "
+        "found beside their places."
     ),
     Refusal.NO_CHESSBOARD: (
         "No chessboard was found. Check that the board is in the picture, in focus and flat, and that a "
@@ -139,7 +148,7 @@ _ADVICE = {
     Refusal.BOARD_IN_PART: (
         "Only a part of the chessboard was found, and nothing numbers it. Show three neighbouring corners at "
         "least of each outermost line; check that the target has as many inner corners as the print; or "
-        "use a board with marks, or a ChArUco board."
+        "show the code of the print beside the part; or use a board with marks, or a ChArUco board."
     ),
     Refusal.CORNER_SQUARES: (
         "Set `corner_squares` in the target as the print is, and check that it is the target's: prints of "
@@ -147,10 +156,10 @@ _ADVICE = {
     ),
     Refusal.OTHER_CHESSBOARD: (
         "A chessboard was found that is not the target's. Check its numbers of inner corners (squares less "
-        "one), and the colour of its lower left square."
+        "one), the colour of its lower left square, and its marks."
     ),
     Refusal.MIRRORED: (
-        "The rings fit the target only mirrored. Check that the picture is not flipped, that the target is "
+        "The target is seen as in a mirror. Check that the picture is not flipped, that the target is "
         "seen from its front and not in a mirror, and that it was printed without mirroring."
     ),
     Refusal.NO_USABLE_DOTS: (

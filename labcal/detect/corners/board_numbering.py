@@ -10,7 +10,7 @@ from labcal.detect.corners.outer_lines import shows_line, shows_outer_lines
 from labcal.detect.corners.saddles import Saddles
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
-from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.plain import turn_in_picture
 from labcal.detect.lattice.rings import TURNS, Numbering
 from labcal.detect.settings import DetectSettings
@@ -63,7 +63,11 @@ def number_board(seen: SeenBoard, board: Chessboard, settings: DetectSettings) -
     lines = np.sort([board.cols, board.rows])
     if (extent > lines).any():
         return Refusal.OTHER_CHESSBOARD
-    places = _marked_places(seen, board, nodes, settings) if board.marks else []
+    marks = read_marks(seen.lattice, seen.saddles, seen.grey, settings.saddle) if board.marks else {}
+    are_read = sum(marks.values()) >= settings.saddle.min_marks
+    places = _marked_places(seen, board, nodes, marks) if are_read else []
+    if are_read and not places:
+        return _of_other_marks(seen, board, nodes, marks)
     if not places:
         places = _whole_places(seen, board, nodes, settings.saddle)
     if len(places) > len(board.symmetric_turns()):
@@ -129,14 +133,25 @@ def _whole_places(
     return found
 
 
+def _of_other_marks(
+    seen: SeenBoard, board: Chessboard, nodes: np.ndarray, marks: dict[Node, bool]
+) -> Refusal:
+    """Return the reason why marks that are seen are not the board's: in a mirror they may be."""
+    swapped = {(b, a): marked for (a, b), marked in marks.items()}
+    mirrored = SeenBoard(
+        replace(seen.lattice, spots={(b, a): spot for (a, b), spot in seen.lattice.spots.items()}),
+        seen.saddles,
+        seen.grey,
+    )
+    fits = _marked_places(mirrored, board, nodes[:, ::-1], swapped)
+    return Refusal.MIRRORED if fits else Refusal.OTHER_CHESSBOARD
+
+
 def _marked_places(
-    seen: SeenBoard, board: Chessboard, nodes: np.ndarray, settings: DetectSettings
+    seen: SeenBoard, board: Chessboard, nodes: np.ndarray, marks: dict[Node, bool]
 ) -> list[Numbering]:
     """Return the numberings under which the marks that are seen are the board's."""
-    marks = read_marks(seen.lattice, seen.saddles, seen.grey, settings.saddle)
     squares, marked = np.array(list(marks), dtype=np.int64).reshape(-1, 2), np.array(list(marks.values()))
-    if marked.sum() < settings.saddle.min_marks:
-        return []
     wanted = np.zeros(board.squares, dtype=bool)
     wanted[tuple(np.array(board.marks).T)] = True
     found = []

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float64, Int64
 
 from labcal.arrays import DotIndices, Pixels
 from labcal.detect.stage_settings.corner import CornerSettings
-from labcal.geometry.projective_map import homogeneous, projective_map
+from labcal.geometry.projective_map import homogeneous, projective_map, robust_homography
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import opencv_board, opencv_dictionary
 
@@ -20,6 +20,10 @@ _FEW = 3
 """Markers in place, up to which corners further away are begun with."""
 _NEAREST = 3
 """Markers in place that predict the next one."""
+_LEAST_APART = 4
+"""Markers that one homography takes to their places, and that are too far apart to predict each other."""
+_APART = 0.6
+"""Of the distance from its place that a marker may have beside others: here it is all the evidence."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,8 @@ def markers_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSet
 
     From one marker on, the next nearest one must be where its nearest neighbours in place predict it, by the
     homography of their corners, which a lens bends little from one square to the next. The largest such set
-    counts. It must hold two markers or more, and at least half of those with ids of the board; and none of
+    counts; where there is none, four or more that one homography takes to their places. It must hold two
+    markers or more, and at least half of those with ids of the board; and none of
     the others may go on with the chessboard where the board has ended, as those of a print with another
     number of squares, or the other pattern, do.
 
@@ -197,8 +202,30 @@ def markers_that_agree(
         for seed in sorted(set(np.linspace(0, len(seen.number) - 1, _SEEDS).astype(int).tolist())):
             if seed not in best:
                 best = max(best, _agreeing(seed, seen, on_board, limit_squares), key=len)
-    is_evidence = len(best) >= _LEAST_AGREEING and 2 * len(best) >= len(np.unique(seen.number))
-    return best if is_evidence else []
+    ids = len(np.unique(seen.number))
+    if len(best) >= _LEAST_AGREEING and 2 * len(best) >= ids:
+        return best
+    best = _on_one_plane(seen, on_board, _APART * limit_squares) if ids >= _LEAST_APART else []
+    return best if 2 * len(best) >= ids else []
+
+
+def _on_one_plane(
+    seen: SeenMarkers, on_board: Float64[np.ndarray, "n 4 2"], limit_squares: float
+) -> list[int]:
+    """Return the markers that one homography takes to their places, by number; none of fewer than four.
+
+    They may be far from each other, which those are not that are predicted from one another.
+    """
+    H = robust_homography(on_board.reshape(-1, 2), seen.corners.reshape(-1, 2))
+    if H is None:
+        return []
+    xyw = homogeneous(on_board.reshape(-1, 2)) @ H.T
+    off = (xyw[:, :2] / xyw[:, 2:]).reshape(-1, 4, 2) - seen.corners
+    sides = np.linalg.norm(seen.corners - np.roll(seen.corners, 1, axis=1), axis=2).mean(axis=1)
+    squares = sides / np.linalg.norm(on_board[:, 0] - on_board[:, 1], axis=1)
+    near = np.flatnonzero(np.abs(off).max(axis=(1, 2)) < limit_squares * squares).tolist()
+    once = list({int(seen.number[k]): k for k in reversed(near)}.values())
+    return once if len(once) >= _LEAST_APART else []
 
 
 def _agreeing(

@@ -1,7 +1,7 @@
 """Outermost lines of a board's corners: whether so much of each is seen that it numbers the others."""
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from labcal.detect.stage_settings.saddle import SaddleSettings
 
@@ -41,3 +41,26 @@ def shows_outer_lines(nodes: Int[np.ndarray, "n 2"], settings: SaddleSettings) -
         for axis in (0, 1)
         for end in (nodes[:, axis].min(), nodes[:, axis].max())
     )
+
+
+def shown_lines(nodes: Int[np.ndarray, "n 2"], settings: SaddleSettings) -> Bool[np.ndarray, " n"]:
+    """Tell which nodes are left when outermost lines that are none of a board are left out in turn.
+
+    Parameters
+    ----------
+    nodes : ndarray of int, shape (n, 2)
+        (col, row).
+    settings : SaddleSettings
+    """
+    kept = np.ones(len(nodes), dtype=bool)
+    while kept.any():
+        left = nodes[kept]
+        for axis, end in ((axis, of(left[:, axis])) for axis in (0, 1) for of in (np.min, np.max)):
+            line = kept & (nodes[:, axis] == end)
+            length = int(np.ptp(left[:, 1 - axis])) + 1
+            if not shows_line(nodes[line, 1 - axis], length, settings):
+                kept &= ~line
+                break
+        else:
+            return kept
+    return np.ones(len(nodes), dtype=bool)

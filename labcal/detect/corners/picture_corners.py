@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labcal.arrays import DotIndices
+from labcal.arrays import DotIndices, Pixels
 from labcal.detect.corners.corner_fit import is_cut, judge_all
 from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corners import Corners, spans_a_plane
@@ -14,9 +14,11 @@ from labcal.detect.edges.outline_noise import beside_flat_parts, smooth_wave_rat
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.targets.grid import Polarity
 
+_SMALL = 1.25  # side of a square over that of the fewest pixels of a fit, which reaches 0.45 squares around
 _SHADINGS = 1.3  # of a fit's four for the light, spent on the flat parts: a third of its pixels
 
 
@@ -69,6 +71,42 @@ def picture_corners(
         outline=np.full((n, 2, 2), np.nan),
     )
     return dots if refusal is None else dots.refused(refusal)
+
+
+def refused_as_torn(
+    dots: PictureDots, placed: DotIndices, detail: str, settings: CornerSettings
+) -> PictureDots:
+    """Return the corners of a picture, refused because too few are measured: torn, or too small for a fit.
+
+    Parameters
+    ----------
+    dots : PictureDots
+        As of :func:`picture_corners`.
+    placed : ndarray of int, shape (n, 2)
+        (col, row) of the corners that are seen.
+    detail : str
+        What was found, for people.
+    settings : CornerSettings
+    """
+    side = square_px(dots.index, dots.seen_at)
+    if side < _SMALL * np.sqrt(settings.min_pixels):
+        return dots.refused(Refusal.TOO_SMALL, f"{detail} A square is some {side:.1f} px wide.")
+    return refused_as_few(dots, placed, detail)
+
+
+def square_px(index: DotIndices, q: Pixels) -> float:
+    """Return the usual distance of corners that are neighbours, px; infinite where there are none."""
+    places = {(int(i), int(j)): k for k, (i, j) in enumerate(index)}
+    pairs = [
+        (k, places[i + a, j + b])
+        for (i, j), k in places.items()
+        for a, b in ((1, 0), (0, 1))
+        if (i + a, j + b) in places
+    ]
+    if not pairs:
+        return float("inf")
+    here, there = np.array(pairs).T
+    return float(np.median(np.linalg.norm(q[here] - q[there], axis=1)))
 
 
 def refused_as_few(dots: PictureDots, placed: DotIndices, detail: str) -> PictureDots:

@@ -8,12 +8,15 @@ from labcal.arrays import DotIndices, Mask
 from labcal.detect.checks.missing_dots import UnmeasuredDot
 from labcal.detect.lattice.dot_shapes import shape_deviations
 from labcal.detect.lattice.lattice import Lattice, find_lattices
+from labcal.detect.lattice.lines_seen import lines_words, where_words
 from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.lattice.rings import ring_nodes
 from labcal.detect.lattice.rough_undistortion import NONE
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.grid import GridSettings
 from labcal.geometry.two_by_two import eigenvalues, inverses
 from labcal.targets.grid import DotGrid, Layout
+from labcal.wording import counted
 
 
 def without_marks_beside(
@@ -108,20 +111,18 @@ def lines_seen(outlines: Outlines, target: DotGrid, settings: GridSettings) -> s
     found = find_lattices(outlines, target, NONE, settings)
     if not found:
         return ""
-    lattice = without_marks_beside(found[0], outlines, target, settings)
+    lattice = found[0]
+    if target.rings is None:
+        lattice = without_marks_beside(lattice, outlines, target, settings)
     q = outlines.centre[list(lattice.spots.values())]
-    (left, top), (right, bottom) = np.round(q.min(axis=0)).astype(int), np.round(q.max(axis=0)).astype(int)
-    where = f"between x = {left} and {right} and y = {top} and {bottom} px"
     if target.layout is Layout.ASYMMETRIC:
-        return f"{len(q)} dots of a grid were seen {where}; the target has {target.count}."
-    nodes = np.array(list(lattice.spots), dtype=np.float64)
-    first, second = (int(n) for n in np.ptp(nodes, axis=0) + 1)
-    step = np.linalg.lstsq(np.column_stack([nodes, np.ones(len(nodes))]), q, rcond=None)[0][0]
-    across, up = (first, second) if abs(step[0]) >= abs(step[1]) else (second, first)
-    return (
-        f"{across} columns and {up} rows of dots were seen {where}; the target has {target.cols} and "
-        f"{target.rows}."
-    )
+        return f"{len(q)} dots of a grid were seen {where_words(q)}; the target has {target.count}."
+    nodes = np.array(list(lattice.spots), dtype=np.int64)
+    words = lines_words(nodes, q, "dots", (target.cols, target.rows))
+    if target.rings is None:
+        return words
+    rings = len(ring_nodes(lattice, outlines, settings))
+    return f"{words} {counted(rings, 'ring')} {'was' if rings == 1 else 'were'} seen among them."
 
 
 def _places(nodes: DotIndices, target: DotGrid) -> DotIndices:

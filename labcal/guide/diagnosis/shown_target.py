@@ -16,6 +16,8 @@ OF_ANOTHER = {
     Refusal.NO_MARKERS,
     Refusal.OTHER_BOARD,
     Refusal.OTHER_IDS,
+    Refusal.NO_CHESSBOARD,
+    Refusal.OTHER_CHESSBOARD,
 }
 """Refusals that another target explains."""
 NOTHING_SEEN = {Refusal.NO_DOTS, Refusal.TOO_FEW_DOTS, Refusal.NO_CODED_DOTS}

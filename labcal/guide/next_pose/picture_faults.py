@@ -7,7 +7,7 @@ import numpy as np
 from labcal.arrays import Pose, Vectors3
 from labcal.capture.source import Frame
 from labcal.detect.dots import PictureDots
-from labcal.detect.flags import DotFlag, advice
+from labcal.detect.flags import DotFlag
 from labcal.geometry.poses import inverse, rotation_vector
 from labcal.shoot.quality import picture_quality
 
@@ -43,7 +43,7 @@ def picture_faults(
     for name, frame in frames.items():
         dots, quality = found[name], picture_quality(frame.picture)
         if dots.refusal is not None:
-            faults.append(f"camera {name}: {advice(dots.refusal)}")
+            faults.append(f"camera {name}: {dots.why}")
         sharp = quality.sharpness
         if np.isfinite(sharp):
             sharpest[name] = max(sharp, sharpest.get(name, 0.0))

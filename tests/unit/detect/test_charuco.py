@@ -170,7 +170,7 @@ def test_pictures_of_something_else_are_refused() -> None:
     others = MarkerDictionary.DICT_4X4_50
     assert detect_dots(picture, BOARD.model_copy(update={"dictionary": others})).refusal is Refusal.NO_MARKERS
     mirrored = np.ascontiguousarray(picture[:, ::-1])
-    assert detect_dots(mirrored, BOARD).refusal is Refusal.NO_MARKERS
+    assert detect_dots(mirrored, BOARD).refusal is Refusal.MIRRORED
     rows = detect_dots(np.ascontiguousarray(picture[:, :130]), BOARD)
     assert rows.refusal in (Refusal.TOO_FEW_DOTS, Refusal.NO_MARKERS)
     assert not rows.has_id.any()
@@ -335,6 +335,6 @@ def test_corners_that_are_covered_are_told_from_a_board_that_is_not_in_the_frame
         cv2.circle(picture, (round(float(x)), round(float(y))), 5, 120.0, -1)
     torn = detect_dots(as_bytes(picture), BOARD)
     assert torn.refusal is Refusal.TORN_CORNERS
-    assert "17 markers of 17 and 0 of its 24 corners were found." in torn.why
+    assert "24 of the board's 24 corners were placed by 17 markers, 0 measured." in torn.why
     cut = detect_dots(np.ascontiguousarray(as_bytes(draw(T))[:, :128]), BOARD)
     assert cut.refusal is Refusal.TOO_FEW_DOTS

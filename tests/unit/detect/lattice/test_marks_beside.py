@@ -86,10 +86,30 @@ def test_a_line_of_dots_beyond_the_grid_is_told_with_what_was_seen(cols: int, ro
     assert "px; the target has 8 and 6." in dots.why
 
 
-def test_two_dots_beyond_the_grid_still_speak_of_a_larger_print() -> None:
-    def dot(canvas: np.ndarray, at: np.ndarray, number: int) -> None:  # noqa: ARG001 -- as of letters
-        disc(canvas, at, int(np.linalg.svd(SKEW)[1].mean() / STEP * RADIUS * FINE))
+def dot(canvas: np.ndarray, at: np.ndarray, number: int) -> None:  # noqa: ARG001 -- as of letters
+    disc(canvas, at, int(np.linalg.svd(SKEW)[1].mean() / STEP * RADIUS * FINE))
 
-    dots = detect_dots(picture(8, 6, dot, np.array([[8.0, 1.0], [8.0, 4.0]])), GRID)
+
+BESIDE = [
+    np.array([[8.0, 1.0], [8.0, 4.0]]),
+    np.array([[-1.0, 0.0], [-1.0, 5.0]]),
+    np.array([[2, 6], [3, 6], [6, 6.0]]),
+]
+
+
+@pytest.mark.parametrize("nodes", BESIDE)
+def test_discs_a_step_beside_the_grid_on_bare_paper_are_no_line_of_it(nodes: np.ndarray) -> None:
+    dots = detect_dots(picture(8, 6, dot, nodes), GRID)
+    assert dots.refusal is None
+    assert int(dots.ok.sum()) == 48
+
+
+@pytest.mark.parametrize("grey", [40, 120, 200])
+def test_two_dots_beyond_the_grid_still_speak_of_a_larger_print_where_its_line_is_hidden(grey: int) -> None:
+    def cover(canvas: np.ndarray, at: np.ndarray, number: int) -> None:  # noqa: ARG001 -- as of letters
+        corners = [place(*q) for q in ((7.5, 1.5), (9.3, 1.5), (9.3, 6.5), (7.5, 6.5))]
+        cv2.fillPoly(canvas, [np.round(np.array(corners) * FINE).astype(int)], grey)
+
+    dots = detect_dots(picture(9, 6, cover, np.zeros((1, 2))), GRID)
     assert dots.refusal is Refusal.AMBIGUOUS
     assert "dots beyond them" in dots.why
