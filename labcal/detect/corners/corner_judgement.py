@@ -72,6 +72,30 @@ def judged(
     n = len(pixels[1])
     rows = (np.empty(n), np.empty((PARAMETERS, n)), np.empty(n), np.empty(n))
     fill_jacobian(state, pixels, rows)
+    return judged_rows(rows, pixels[0] - state[:2].copy().reshape(2, 1), mask, free, limits)
+
+
+@compiled
+def judged_rows(
+    rows: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+    away: np.ndarray,
+    mask: np.ndarray,
+    free: int,
+    limits: JudgementLimits,
+) -> tuple[bool, np.ndarray, np.ndarray, np.ndarray, float]:
+    """Return the same as :func:`judged` of what a fit has linearised.
+
+    Parameters
+    ----------
+    rows : tuple of ndarray
+        As of :func:`labcal.detect.corners.corner_kernel.fill_jacobian`; derivatives by the place first.
+    away : ndarray, shape (2, n)
+        Of the pixels from the corner, px.
+    mask : ndarray of bool, shape (h, w)
+    free : int
+    limits : JudgementLimits
+    """
+    n = len(rows[0])
     residual, jacobian, board, off_edges = rows[0], rows[1][:free], rows[2], rows[3]
     covariance, powers = np.zeros((2, 2)), np.zeros((1, 2))
     sums = np.zeros((LAGS, SUMS))
@@ -92,7 +116,7 @@ def judged(
             covariance[i, j] = (gain[i] * variance * gain[j]).sum()
     distance = np.empty(n)
     for k in range(n):
-        distance[k] = hypot(pixels[0][0, k] - state[0], pixels[0][1, k] - state[1])
+        distance[k] = hypot(away[0, k], away[1, k])
     powers = wave_powers((residual, jacobian, factor), distance, gain, variance)
     _add_products(residual, off_edges, jacobian, mask, limits.flat_blurs, sums)
     return True, covariance, sums, powers, distance.max()

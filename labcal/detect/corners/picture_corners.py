@@ -3,17 +3,19 @@
 import numpy as np
 
 from labcal.arrays import DotIndices
-from labcal.detect.corners.corner_fit import is_cut, judge
+from labcal.detect.corners.corner_fit import SettledCorner, is_cut, judge
 from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.edge_waves import wavelengths
 from labcal.detect.corners.hard_edges import hard_edge_covariance
+from labcal.detect.corners.printed_fit import PrintedCorner
 from labcal.detect.dots import PictureDots
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.outline_noise import beside_flat_parts, smooth_wave_ratio
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.detect.stage_settings.edge import EdgeSettings
 from labcal.targets.grid import Polarity
 
@@ -37,7 +39,7 @@ def picture_corners(
     """
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     n = len(corners.fits)
-    fits = [None if fit is None else judge(fit, settings.corner) for fit in corners.fits]
+    fits = [None if fit is None else _judged(fit, settings.corner) for fit in corners.fits]
     factor = _factor([fit for fit in fits if fit is not None], settings.edge)
     missing = np.full((2, 2), np.nan)
     covariance = [
@@ -86,6 +88,11 @@ def refused_as_few(dots: PictureDots, placed: DotIndices, detail: str) -> Pictur
     whole = np.array([flag is not DotFlag.CUT for flag in dots.flag], dtype=bool)
     torn = spans_a_plane(placed) and spans_a_plane(dots.index[whole])
     return dots.refused(Refusal.TORN_CORNERS if torn else Refusal.TOO_FEW_DOTS, detail)
+
+
+def _judged(fit: SettledCorner, settings: CornerSettings) -> CornerFit | None:
+    """Return a fit of either kind with its uncertainty."""
+    return fit.judged(settings) if isinstance(fit, PrintedCorner) else judge(fit, settings)
 
 
 def _factor(fits: list[CornerFit], settings: EdgeSettings) -> float:

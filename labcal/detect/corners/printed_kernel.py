@@ -1,0 +1,222 @@
+"""The blurred print around a corner and its fit, in compiled code; what they mean stands at `printed_fit`."""
+
+from math import cos, hypot, log, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from labcal.detect.cholesky import factorise, solve
+from labcal.detect.compiled import compiled
+from labcal.detect.corners.corner_kernel import FitLimits
+from labcal.detect.corners.printed_profile import Axis, near_lines, quadrature, write_profile
+
+FREE = 6
+"""Free parameters: corner 2, blurs 2, mean, half step."""
+_OF_STATE = np.array([0, 1, 4, 5, 6, 7])
+"""Their places among the ten of a chessboard's corner."""
+_FIRST_BLUR, _LAST_BLUR = 2, 3
+_MOST_LINES = 64
+"""Intervals between lines that the blur may reach at a place."""
+_STEEPEST = sqrt(2.0 / np.pi)
+"""Change of a blurred step from -1 to 1 over a blur, at the step."""
+_FLAT = 1e-8
+_RIDGE = 1e-9
+_SINGULAR = 1e-12
+
+
+class LocalMap(NamedTuple):
+    """Map from offsets (px) from a corner to places on the print, in squares.
+
+    ``at + M r + (q0 x^2 / 2 + q1 x y + q2 y^2 / 2)`` along each axis.
+    """
+
+    at: np.ndarray
+    """(2,), of the corner."""
+    linear: np.ndarray
+    """(2, 2)."""
+    square: np.ndarray
+    """(2, 3)."""
+
+
+class PrintLines(NamedTuple):
+    """A print of cells between lines."""
+
+    x: np.ndarray
+    y: np.ndarray
+    """Places of the lines along each axis, squares, ascending."""
+    cells: np.ndarray
+    """1 for white and -1 for black, shape (len(x) + 1, len(y) + 1)."""
+
+
+Rows = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""Residuals (n,), derivatives (FREE, n), pattern (n,), distances from edges in blurs (n,), and derivatives of
+the grey value by the place on the print (2, n)."""
+
+
+@compiled
+def empty_rows(n: int) -> Rows:
+    """Return arrays for that many pixels."""
+    return np.empty(n), np.empty((FREE, n)), np.empty(n), np.empty(n), np.empty((2, n))
+
+
+@compiled
+def fill_printed(
+    state: np.ndarray,
+    pixels: tuple[np.ndarray, np.ndarray],
+    around: LocalMap,
+    print_: PrintLines,
+    rows: Rows,
+) -> None:
+    """Write residuals, derivatives, pattern and distances at a state.
+
+    Parameters
+    ----------
+    state : ndarray, shape (PARAMETERS,)
+        Of a chessboard's corner.
+    pixels : tuple of ndarray
+        Offsets (2, n) from where the fit begins, and values (n,).
+    around : LocalMap
+    print_ : PrintLines
+    rows : tuple of ndarray
+        Overwritten.
+    """
+    offset, value = pixels
+    residual, jacobian, board, off_edges, steep = rows
+    nodes, sign, left = quadrature(state[2], state[3])
+    mean, half, gx, gy = state[6], state[7], state[8], state[9]
+    # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves each edge.
+    moved0 = state[4] * (cos(state[2]) * gx + sin(state[2]) * gy)
+    moved1 = state[5] * (cos(state[3]) * gx + sin(state[3]) * gy)
+    M, Q = around.linear, around.square
+    across, down = np.empty((3, _MOST_LINES)), np.empty((3, _MOST_LINES))
+    nearest_x = np.searchsorted(print_.x, around.at[0])
+    nearest_y = np.searchsorted(print_.y, around.at[1])
+    for k in range(len(value)):
+        x, y = offset[0, k] - state[0], offset[1, k] - state[1]
+        px = M[0, 0] + Q[0, 0] * x + Q[0, 1] * y
+        py = M[0, 1] + Q[0, 1] * x + Q[0, 2] * y
+        qx = M[1, 0] + Q[1, 0] * x + Q[1, 1] * y
+        qy = M[1, 1] + Q[1, 1] * x + Q[1, 2] * y
+        first_scale, second_scale = hypot(px, py), hypot(qx, qy)
+        blur0, blur1 = state[4] * first_scale, state[5] * second_scale
+        first = Axis(
+            around.at[0] + 0.5 * ((M[0, 0] + px) * x + (M[0, 1] + py) * y) + moved0 * blur0, blur0
+        )
+        second = Axis(
+            around.at[1] + 0.5 * ((M[1, 0] + qx) * x + (M[1, 1] + qy) * y) + moved1 * blur1, blur1
+        )
+        near_x, near_y = near_lines(first, print_.x, nearest_x), near_lines(second, print_.y, nearest_y)
+        many_x, many_y = near_x[1] - near_x[0], near_y[1] - near_y[0]
+        X = by_x = by_y = by_blur0 = by_blur1 = 0.0
+        if many_x == 0 and many_y == 0:
+            X = print_.cells[near_x[0], near_y[0]]
+        else:
+            single = many_x == 0 or many_y == 0
+            for node in range(1 if single else nodes.shape[1]):
+                share = 1.0 if single else nodes[1, node]
+                shift = 0.0 if single else nodes[0, node]
+                rest = 1.0 if single else left
+                write_profile(first, near_x, print_.x, (shift, rest), across)
+                write_profile(second, near_y, print_.y, (sign * shift, rest), down)
+                for i in range(many_x + 1):
+                    w = d = e = 0.0
+                    for j in range(many_y + 1):
+                        cell = print_.cells[near_x[0] + i, near_y[0] + j]
+                        w += cell * down[0, j]
+                        d += cell * down[1, j]
+                        e += cell * down[2, j]
+                    X += share * across[0, i] * w
+                    by_x += share * across[1, i] * w
+                    by_y += share * across[0, i] * d
+                    by_blur0 += share * across[2, i] * w
+                    by_blur1 += share * across[0, i] * e
+        light = 1.0 + gx * offset[0, k] + gy * offset[1, k]
+        plain = mean + half * X
+        size = light * half
+        jacobian[0, k] = -size * (by_x * px + by_y * qx)
+        jacobian[1, k] = -size * (by_x * py + by_y * qy)
+        jacobian[2, k] = size * (by_blur0 + 2.0 * moved0 * by_x) * first_scale
+        jacobian[3, k] = size * (by_blur1 + 2.0 * moved1 * by_y) * second_scale
+        jacobian[4, k] = light
+        jacobian[5, k] = light * X
+        residual[k] = value[k] - light * plain
+        board[k] = X
+        steepest = max(abs(by_x) * blur0, abs(by_y) * blur1) / _STEEPEST
+        off_edges[k] = sqrt(-2.0 * log(min(max(steepest, _FLAT), 1.0)))
+        steep[0, k], steep[1, k] = size * by_x, size * by_y
+
+
+@compiled
+def settled_print(
+    state: np.ndarray,
+    pixels: tuple[np.ndarray, np.ndarray],
+    place: tuple[LocalMap, PrintLines],
+    tolerance: float,
+    limits: FitLimits,
+) -> tuple[float, Rows]:
+    """Iterate a state, in place, to the least squares; return the root mean square residual, and the rows.
+
+    It is as the last step leaves it by the linear model, and negative if the state runs away; the rows are
+    those before that step. It ends at a step of `tolerance`, px.
+    """
+    n = len(pixels[1])
+    rows = empty_rows(n)
+    change, gradient = np.empty(FREE), np.empty(FREE)
+    for _ in range(limits.max_iterations):
+        fill_printed(state, pixels, place[0], place[1], rows)
+        residual, jacobian = rows[0], rows[1]
+        normal = jacobian @ jacobian.T
+        for i in range(FREE):
+            change[i] = (jacobian[i] * residual).sum()
+            normal[i, i] *= 1.0 + _RIDGE
+        gradient[:] = change
+        if not factorise(normal, FREE, _SINGULAR):
+            return -1.0, rows
+        solve(normal, change)
+        if not np.isfinite(change).all():
+            return -1.0, rows
+        far = max(hypot(change[0], change[1]) / limits.max_step_px, 1.0)
+        for i in range(FREE):
+            at = _OF_STATE[i]
+            moved = state[at] + change[i] / far
+            if _FIRST_BLUR <= i <= _LAST_BLUR:  # at most doubled or halved
+                moved = max(min(max(moved, 0.5 * state[at]), 2.0 * state[at]), limits.min_blur_px)
+            state[at] = moved
+        if max(abs(change[0]), abs(change[1])) < tolerance:
+            squares = (residual * residual).sum() - (change * gradient).sum()
+            return sqrt(max(squares, 0.0) / n), rows
+    return -1.0, rows
+
+
+@compiled
+def print_pixels(
+    grey: np.ndarray, centre: np.ndarray, around: LocalMap, limits: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the mask, offsets and values of pixels that are nearer to a corner than to the next ones.
+
+    `limits` are the reach along either axis, in squares, and the most distance, px.
+    """
+    share, reach = limits
+    M, Q = around.linear, around.square
+    det = abs(M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0])
+    # By half more than the parallelogram of the linear part, since the map is none.
+    across = min(reach, 1.5 * share * (abs(M[1, 1]) + abs(M[0, 1])) / det)
+    down = min(reach, 1.5 * share * (abs(M[0, 0]) + abs(M[1, 0])) / det)
+    left, top = max(int(np.ceil(centre[0] - across)), 0), max(int(np.ceil(centre[1] - down)), 0)
+    right = min(int(np.floor(centre[0] + across)), grey.shape[1] - 1)
+    bottom = min(int(np.floor(centre[1] + down)), grey.shape[0] - 1)
+    wide, high = max(right - left + 1, 0), max(bottom - top + 1, 0)
+    mask = np.zeros((high, wide), dtype=np.bool_)
+    offset, value = np.empty((2, high * wide)), np.empty(high * wide)
+    n = 0
+    for j in range(high):
+        for i in range(wide):
+            x, y = left + i - centre[0], top + j - centre[1]
+            a = M[0, 0] * x + M[0, 1] * y + 0.5 * (Q[0, 0] * x * x + Q[0, 2] * y * y) + Q[0, 1] * x * y
+            b = M[1, 0] * x + M[1, 1] * y + 0.5 * (Q[1, 0] * x * x + Q[1, 2] * y * y) + Q[1, 1] * x * y
+            if max(abs(a), abs(b)) >= share or hypot(x, y) >= reach:
+                continue
+            mask[j, i] = True
+            offset[0, n], offset[1, n], value[n] = x, y, grey[top + j, left + i]
+            n += 1
+    return mask, offset[:, :n].copy(), value[:n].copy()
