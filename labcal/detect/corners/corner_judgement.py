@@ -72,7 +72,9 @@ def judged(
     n = len(pixels[1])
     rows = (np.empty(n), np.empty((PARAMETERS, n)), np.empty(n), np.empty(n))
     fill_jacobian(state, pixels, rows)
-    return judged_rows(rows, pixels[0] - state[:2].copy().reshape(2, 1), mask, free, limits)
+    rows = (rows[0], rows[1][:free].copy(), rows[2], rows[3])
+    away = pixels[0] - state[:2].copy().reshape(2, 1)
+    return judged_rows(rows, away, mask, np.zeros((free, free)), limits)
 
 
 @compiled
@@ -80,7 +82,7 @@ def judged_rows(
     rows: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
     away: np.ndarray,
     mask: np.ndarray,
-    free: int,
+    prior: np.ndarray,
     limits: JudgementLimits,
 ) -> tuple[bool, np.ndarray, np.ndarray, np.ndarray, float]:
     """Return the same as :func:`judged` of what a fit has linearised.
@@ -92,28 +94,29 @@ def judged_rows(
     away : ndarray, shape (2, n)
         Of the pixels from the corner, px.
     mask : ndarray of bool, shape (h, w)
-    free : int
+    prior : ndarray, shape (p, p)
+        Information on the parameters from elsewhere, over that of a pixel.
     limits : JudgementLimits
     """
-    n = len(rows[0])
-    residual, jacobian, board, off_edges = rows[0], rows[1][:free], rows[2], rows[3]
+    n, free = len(rows[0]), len(prior)
+    residual, jacobian, board, off_edges = rows
     covariance, powers = np.zeros((2, 2)), np.zeros((1, 2))
     sums = np.zeros((LAGS, SUMS))
     noise, levels = _without_tone(residual, board, limits.tone_levels)
     freedom = n - PARAMETERS - levels
-    factor = jacobian @ jacobian.T
+    factor = jacobian @ jacobian.T + prior
     if freedom < PARAMETERS or not factorise(factor, free, _SINGULAR):
         return False, covariance, sums, powers, 0.0
-    gain = np.empty((2, n))
+    gain, weights = np.empty((2, n)), np.zeros((2, free))
     for axis in range(2):
-        weight = np.zeros(free)
-        weight[axis] = 1.0
-        solve(factor, weight)
-        gain[axis] = weight @ jacobian
+        weights[axis, axis] = 1.0
+        solve(factor, weights[axis])
+        gain[axis] = weights[axis] @ jacobian
     variance = _variance(noise, board, limits.min_variance_share) * (n / freedom)
     for i in range(2):
         for j in range(2):
             covariance[i, j] = (gain[i] * variance * gain[j]).sum()
+            covariance[i, j] += variance.mean() * (weights[i] * (prior @ weights[j])).sum()
     distance = np.empty(n)
     for k in range(n):
         distance[k] = hypot(away[0, k], away[1, k])

@@ -6,18 +6,23 @@ import numpy as np
 
 from labcal.detect.corners.node_grid import NodeGrid, around
 from labcal.detect.lattice.lattice import Node
+from labcal.geometry.projective_map import projective_map
 
 _REACHES = (1, 2)
 """Nodes to either side that tell a map, the nearest that are enough."""
+_ENOUGH = (7, 4)
+"""Corners that are enough, by reach."""
 _TERMS = 6
-"""Of a polynomial of second order in two variables."""
-_MOST_VARIANCE = 4.0
-"""Of the slopes of a map, in that of a corner a step: those of a corner amid others have 1/6."""
+"""Constant, two linear and three of second order."""
+_BEND = 1.0
+"""Expected curvature of straight lines by a lens, over the reciprocal of the picture's side: a fisheye's."""
 
 
 @dataclass(frozen=True)
 class LocalMaps:
-    """Maps of second order from offsets (px) to squares, around every corner.
+    """Maps from offsets (px) to squares, around every corner.
+
+    A homography of all corners, a plane's image, is bent by a lens: what is left is of second order near by.
 
     Attributes
     ----------
@@ -25,13 +30,16 @@ class LocalMaps:
         1/px; NaN where the corners around do not tell the map.
     square : ndarray, shape (n, 2, 3)
         Of ``x^2 / 2``, ``x y`` and ``y^2 / 2``, 1/px^2.
-    weights : ndarray, shape (n, 5, k)
-        Change of the coefficients by the place of each corner around, for a change of that by a square.
+    perspective : ndarray, shape (n, 2)
+        1/px.
+    information : ndarray, shape (n, 10, 10)
+        On the coefficients, along x and then y: the inverse of their covariance.
     """
 
     linear: np.ndarray
     square: np.ndarray
-    weights: np.ndarray
+    perspective: np.ndarray
+    information: np.ndarray
 
     @property
     def known(self) -> np.ndarray:
@@ -39,50 +47,69 @@ class LocalMaps:
         return np.asarray(np.isfinite(self.linear[:, 0, 0]))
 
 
-def local_maps(nodes: list[Node], places: np.ndarray) -> LocalMaps:
-    """Return the maps around corners by least squares, from the 9 or up to 25 around each, itself included.
+def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: float) -> LocalMaps:
+    """Return the maps around corners by least squares, from up to 9 or 25 around each, itself included.
 
     Parameters
     ----------
     nodes : list of (col, row)
-        At least one.
+        At least four, not all on one line.
     places : ndarray, shape (n, 2)
         Px.
+    sigma : ndarray, shape (n,)
+        Errors of the places, px; infinite for those that are not to count.
+    side : float
+        Of the picture, px.
     """
     grid, count = NodeGrid.of(nodes), len(nodes)
-    spread = grid.spread(np.concatenate([places, grid.nodes.astype(np.float64)], axis=1))
-    linear, square = np.full((count, 2, 2), np.nan), np.full((count, 2, 3), np.nan)
-    weights = np.zeros((count, _TERMS - 1, (2 * _REACHES[-1] + 1) ** 2))
-    for reach in _REACHES:
-        missing = np.flatnonzero(np.isnan(linear[:, 0, 0]))
+    H = np.linalg.inv(projective_map("corners", grid.nodes.astype(np.float64), places))
+    perspective = H[2, :2] / (places @ H[2, :2] + H[2, 2])[:, None]
+    spread = grid.spread(
+        np.concatenate([places, grid.nodes.astype(np.float64), (1.0 / sigma)[:, None]], axis=1)
+    )
+    coefficients, information = np.full((count, 2, _TERMS), np.nan), np.zeros((count, 10, 10))
+    for reach, enough in zip(_REACHES, _ENOUGH, strict=True):
+        missing = np.flatnonzero(np.isnan(coefficients[:, 0, 0]))
         near = around(spread, reach)[:, *grid.at][:, missing]
-        coefficients, gains = _fitted(near, places[missing], grid.nodes[missing])
-        linear[missing], square[missing] = coefficients[..., 1:3], coefficients[..., 3:]
-        weights[missing, :, : gains.shape[-1]] = gains
-    return LocalMaps(linear, square, weights)
+        told = ((np.nan_to_num(near[..., 4]) > 0.0).sum(axis=0) >= enough) & _in_front(
+            near, places[missing], perspective[missing]
+        )
+        if told.any():
+            at = missing[told]
+            coefficients[at], information[at] = _fitted(
+                near[:, told], places[at], grid.nodes[at], perspective[at], side
+            )
+    return LocalMaps(coefficients[..., 1:3], coefficients[..., 3:], perspective, information)
 
 
-def _fitted(near: np.ndarray, places: np.ndarray, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return coefficients (n, 2, 6) and gains (n, 5, k) from places and nodes (k, n, 4); NaN if unknown."""
-    known = np.isfinite(near[..., 0]).T
+def _in_front(near: np.ndarray, places: np.ndarray, perspective: np.ndarray) -> np.ndarray:
+    """Return for which places (n, 2) all that are near (k, n, 5) lie on the same side of the horizon."""
+    away = np.nan_to_num(near[..., :2] - places)
+    return np.asarray((1.0 + (away * perspective).sum(axis=-1) > 0.0).all(axis=0))
+
+
+def _fitted(
+    near: np.ndarray, places: np.ndarray, nodes: np.ndarray, perspective: np.ndarray, side: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return coefficients (n, 2, 6) and information (n, 10, 10) from places, nodes and weights (k, n, 5)."""
+    weight = np.nan_to_num(near[..., 4]).T
+    known = weight > 0.0
     away = np.where(known[..., None], np.moveaxis(near[..., :2] - places, 0, 1), 0.0)
-    steps = np.where(known[..., None], np.moveaxis(near[..., 2:] - nodes, 0, 1), 0.0)
-    scale = np.maximum(np.abs(away).max(axis=(1, 2)), 1.0)[:, None]
-    x, y = np.moveaxis(away / scale[..., None], 2, 0)
-    design = np.stack([np.ones_like(x), x, y, 0.5 * x * x, x * y, 0.5 * y * y], axis=-1) * known[..., None]
-    coefficients = np.full((len(places), 2, _TERMS), np.nan)
-    gains = np.zeros((len(places), _TERMS - 1, known.shape[1]))
-    normal = np.einsum("nki,nkj->nij", design, design)
-    enough = known.sum(axis=1) >= _TERMS
-    enough[enough] = np.linalg.cond(normal[enough]) < 1e6
-    if enough.any():
-        gain = np.linalg.solve(normal[enough], np.moveaxis(design[enough], 1, 2))
-        powers = scale[enough] ** -np.array([0.0, 1.0, 1.0, 2.0, 2.0, 2.0])
-        gain = gain * powers[..., None]
-        found = np.einsum("nck,nka->nac", gain, steps[enough])
-        # Slopes over the size of a step: their variances are those of places over squares.
-        per_step = np.linalg.norm(found[..., 1:3], axis=(1, 2)) / np.sqrt(2.0)
-        certain = np.einsum("nck,nck->n", gain[:, 1:3], gain[:, 1:3]) / per_step**2 < _MOST_VARIANCE
-        at = np.flatnonzero(enough)[certain]
-        coefficients[at], gains[at] = found[certain], gain[certain, 1:]
-    return coefficients, gains
+    steps = np.where(known[..., None], np.moveaxis(near[..., 2:4] - nodes, 0, 1), 0.0)
+    x, y = np.moveaxis(away, 2, 0)
+    over = 1.0 / (1.0 + np.einsum("nka,na->nk", away, perspective))
+    design = np.stack([np.ones_like(x), x * over, y * over, 0.5 * x * x, x * y, 0.5 * y * y], axis=-1)
+    weighted = design * weight[..., None] ** 2
+    normal = np.einsum("nki,nkj->nij", weighted, design)
+    # A bend in px is expected to be 0, with a standard deviation.
+    normal[:, range(3, 6), range(3, 6)] += (side / _BEND) ** 2
+    right = np.einsum("nki,nka->nia", weighted, steps)
+    size = np.sqrt(np.einsum("nii->ni", normal))
+    scaled = normal / (size[:, None] * size[..., None])
+    inverse = np.linalg.inv(scaled) / (size[:, None] * size[..., None])
+    coefficients = np.einsum("nij,nja->nai", inverse, right)
+    # Errors in px are, along the board's axes, as the linear part has it.
+    M = coefficients[..., 1:3]
+    to_px = np.linalg.inv(M @ M.transpose(0, 2, 1))
+    information = np.einsum("nab,nij->naibj", to_px, np.linalg.inv(inverse[:, 1:, 1:]))
+    return coefficients, information.reshape(-1, 10, 10)

@@ -21,6 +21,8 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
 
 _NO_GAP = np.full(2, 1e6)
+_LEAST_NOISE = 0.1
+"""Of a pixel, grey values: in drawings there is none, but a rounding."""
 
 
 @dataclass(frozen=True)
@@ -31,20 +33,22 @@ class PrintedCorner(SettledCorner):
     ----------
     around : LocalMap
     print_ : PrintLines
-    added : ndarray, shape (2, 2)
-        Covariance of its place by that of the map around it, over the variance of the corners around.
+    prior : ndarray, shape (FREE, FREE)
+        Information on the fit's parameters from the corners around, over that of a pixel.
     """
 
     around: LocalMap = None  # type: ignore[assignment]
     print_: PrintLines = None  # type: ignore[assignment]
+    prior: np.ndarray = None  # type: ignore[assignment]
 
     def judged(self, settings: CornerSettings) -> CornerFit | None:
         """Return the fit with its uncertainty; None where there are too few pixels for one."""
         pixels = np.ascontiguousarray(self.window.offset), self.window.value
         rows = empty_rows(len(pixels[1]))
         fill_printed(self.state, pixels, self.around, self.print_, rows)
+        away = pixels[0] - self.state[:2, None]
         ok, covariance, sums, powers, reach = judged_rows(
-            rows[:4], pixels[0] - self.state[:2, None], self.window.mask, FREE, settings.limits(JudgementLimits)
+            rows, away, self.window.mask, self.prior, settings.limits(JudgementLimits)
         )
         return CornerFit(self.centre, covariance, self.roughness, sums, powers, reach) if ok else None
 
@@ -52,25 +56,25 @@ class PrintedCorner(SettledCorner):
 def fit_print(
     grey: GreyPicture,
     first: SettledCorner,
-    place: tuple[LocalMap, PrintLines],
-    slope: np.ndarray,
+    place: tuple[LocalMap, np.ndarray],
+    print_: PrintLines,
     settings: CornerSettings,
 ) -> PrintedCorner | None:
     """Fit ``(1 + g d) (m + h X)`` to all pixels nearer to a corner than to the next ones, by Gauss-Newton.
 
     ``X`` is the print between -1 (black) and 1, blurred by a Gaussian with a deviation across either edge, as
-    the map from the corners around shows it. Free are the corner, both deviations, `m` and `h`; the slope
-    `g` of the light is known.
+    the map from the corners around shows it. Free are the corner, both deviations, `m` and `h`, and the map,
+    as far as the corners around leave it so; the slope `g` of the light is known.
 
     Parameters
     ----------
     grey : ndarray, shape (h, w)
         The picture.
     first : SettledCorner
-        A fit that is near.
-    place : (LocalMap, PrintLines)
-    slope : ndarray, shape (2,)
-        1/px.
+        A fit that is near, with the slope of the light.
+    place : (LocalMap, ndarray)
+        The map, and the information on it (10, 10).
+    print_ : PrintLines
     settings : CornerSettings
 
     Returns
@@ -78,17 +82,20 @@ def fit_print(
     PrintedCorner or None
         None where the fit leaves the first one by more than either may be off.
     """
-    around, print_ = place
+    around = LocalMap(*(part.copy() for part in place[0]))
     centre, M = np.ascontiguousarray(first.centre), around.linear
     mask, offset, value = print_pixels(
         grey, centre, around, (settings.wide_reach_squares, settings.max_reach_px)
     )
     if len(value) < settings.min_pixels:
         return None
-    state = np.zeros(PARAMETERS)
-    state[2:4] = np.arctan2(M[:, 1], M[:, 0])
-    state[4:8], state[8:] = first.state[4:8], slope
-    rms, _ = settled_print(state, (offset, value), place, settings.tolerance_px, settings.limits(FitLimits))
+    state = np.concatenate([np.zeros(2), np.arctan2(M[:, 1], M[:, 0]), first.state[4:]])
+    prior = np.zeros((FREE, FREE))
+    noise = max(first.roughness * first.step, _LEAST_NOISE)
+    prior[-len(place[1]) :, -len(place[1]) :] = noise**2 * place[1]
+    rms = settled_print(
+        state, (offset, value), (around, print_, prior), settings.tolerance_px, settings.limits(FitLimits)
+    )
     if rms < 0.0 or state[7] <= 0.0:
         return None
     blur = float(first.state[4:6].max())
@@ -96,5 +103,5 @@ def fit_print(
         return None
     window = CornerPixels(mask, offset, value, _NO_GAP)
     return PrintedCorner(
-        state, window, centre, rms / (2.0 * float(state[7])), FREE, around=around, print_=print_
+        state, window, centre, rms / (2.0 * float(state[7])), FREE, around=around, print_=print_, prior=prior
     )

@@ -1,15 +1,18 @@
 """Second fit of the corners of a ChArUco board: by all of the print between them."""
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 
 from labcal.detect.corners.board_print import board_print
-from labcal.detect.corners.corner_fit import SettledCorner
+from labcal.detect.corners.corner_fit import SettledCorner, judge
 from labcal.detect.corners.corners import Corners
 from labcal.detect.corners.known_light import light_slopes
 from labcal.detect.corners.local_maps import local_maps
-from labcal.detect.corners.node_grid import NodeGrid
-from labcal.detect.corners.printed_fit import fit_print
-from labcal.detect.corners.printed_kernel import LocalMap
+from labcal.detect.corners.node_grid import NodeGrid, median_around
+from labcal.detect.corners.printed_fit import PrintedCorner, fit_print
+from labcal.detect.corners.printed_kernel import LocalMap, PrintLines
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -17,6 +20,8 @@ from labcal.targets.charuco import CharucoBoard
 
 _LIGHT_NODES, _FEWEST = (1, 2, 4), 5
 """Nodes to either side whose white levels tell the slope of the light, and the fewest that do."""
+_ROUGH_NODES = 2
+"""Nodes to either side whose residuals are the usual ones."""
 _ROUNDS = 2
 """Fits; the map around a corner is that of the round before."""
 
@@ -36,11 +41,13 @@ def printed_corners(
     settings : CornerSettings
     """
     nodes = [(int(i), int(j)) for i, j in corners.index]
-    fits = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
+    first = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
+    if not first:
+        return corners
+    fits, print_ = first, board_print(board)
     for _ in range(_ROUNDS):
-        if not fits:
-            break
-        fits = _once(grey, board, fits, settings)
+        printed = _by_print(grey, print_, fits, settings)
+        fits = first | _clear(printed, settings.clear_roughness_factor)
     found = [fits.get(node) for node in nodes]
     seen_at = [
         place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
@@ -48,22 +55,45 @@ def printed_corners(
     return Corners(corners.index, np.array(seen_at), found)
 
 
-def _once(
-    grey: GreyPicture, board: CharucoBoard, fits: dict[Node, SettledCorner], settings: CornerSettings
-) -> dict[Node, SettledCorner]:
-    """Return fits by the print, with the maps and the light that given fits tell."""
-    nodes, print_ = list(fits), board_print(board)
+def _by_print(
+    grey: GreyPicture, print_: PrintLines, fits: Mapping[Node, SettledCorner], settings: CornerSettings
+) -> dict[Node, PrintedCorner]:
+    """Return the fits by the print that converge, with the maps and the light that given fits tell."""
+    nodes = list(fits)
     places = np.array([fit.centre for fit in fits.values()])
-    grid, maps = NodeGrid.of(nodes), local_maps(nodes, places)
+    sigma = np.array([_sigma(fit, settings) for fit in fits.values()])
+    grid, maps = NodeGrid.of(nodes), local_maps(nodes, places, sigma, float(max(grey.shape)))
     white = np.array([fit.state[6] + fit.state[7] for fit in fits.values()])
     slopes = light_slopes(grid, places, np.where(white > 0.0, white, np.nan), (_LIGHT_NODES, _FEWEST))
-    known = maps.known & np.isfinite(slopes[:, 0])
-    found = dict(fits)
-    for k, (node, fit) in enumerate(fits.items()):
-        if not known[k]:
-            continue
-        around = LocalMap(np.array(node, dtype=np.float64), maps.linear[k], maps.square[k])
-        printed = fit_print(grey, fit, (around, print_), slopes[k], settings)
+    found = {}
+    for k in np.flatnonzero(maps.known & np.isfinite(slopes[:, 0])).tolist():
+        around = LocalMap(
+            np.array(nodes[k], dtype=np.float64), maps.linear[k], maps.square[k], maps.perspective[k]
+        )
+        first = fits[nodes[k]]
+        state = np.concatenate([first.state[:8], slopes[k]])
+        printed = fit_print(
+            grey, replace(first, state=state), (around, maps.information[k]), print_, settings
+        )
         if printed is not None:
-            found[node] = printed
+            found[nodes[k]] = printed
     return found
+
+
+def _sigma(fit: SettledCorner, settings: CornerSettings) -> float:
+    """Return the error of a fit's place along either axis, px; infinite if unknown."""
+    certain = fit.judged(settings) if isinstance(fit, PrintedCorner) else judge(fit, settings)
+    return float("inf") if certain is None else float(np.sqrt(0.5 * np.trace(certain.covariance)))
+
+
+def _clear(printed: Mapping[Node, PrintedCorner], factor: float) -> dict[Node, PrintedCorner]:
+    """Return the fits that are not much rougher than those around: nothing hides the print of these."""
+    if not printed:
+        return {}
+    grid, roughness = NodeGrid.of(list(printed)), np.array([fit.roughness for fit in printed.values()])
+    usual = median_around(grid.spread(roughness), _ROUGH_NODES)[grid.at]
+    return {
+        node: fit
+        for (node, fit), ok in zip(printed.items(), roughness <= factor * usual, strict=True)
+        if ok
+    }

@@ -10,8 +10,9 @@ from labcal.detect.compiled import compiled
 from labcal.detect.corners.corner_kernel import FitLimits
 from labcal.detect.corners.printed_profile import Axis, near_lines, quadrature, write_profile
 
-FREE = 6
-"""Free parameters: corner 2, blurs 2, mean, half step."""
+FREE = 16
+"""Free parameters: corner 2, blurs 2, mean, half step, and the coefficients of both axes' map, 5 each."""
+_OWN, _TERMS = 6, 5
 _OF_STATE = np.array([0, 1, 4, 5, 6, 7])
 """Their places among the ten of a chessboard's corner."""
 _FIRST_BLUR, _LAST_BLUR = 2, 3
@@ -27,7 +28,7 @@ _SINGULAR = 1e-12
 class LocalMap(NamedTuple):
     """Map from offsets (px) from a corner to places on the print, in squares.
 
-    ``at + M r + (q0 x^2 / 2 + q1 x y + q2 y^2 / 2)`` along each axis.
+    ``at + M r / (1 + h r) + (q0 x^2 / 2 + q1 x y + q2 y^2 / 2)`` along each axis.
     """
 
     at: np.ndarray
@@ -36,6 +37,8 @@ class LocalMap(NamedTuple):
     """(2, 2)."""
     square: np.ndarray
     """(2, 3)."""
+    perspective: np.ndarray
+    """(2,), h; known."""
 
 
 class PrintLines(NamedTuple):
@@ -48,15 +51,14 @@ class PrintLines(NamedTuple):
     """1 for white and -1 for black, shape (len(x) + 1, len(y) + 1)."""
 
 
-Rows = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-"""Residuals (n,), derivatives (FREE, n), pattern (n,), distances from edges in blurs (n,), and derivatives of
-the grey value by the place on the print (2, n)."""
+Rows = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""Residuals (n,), derivatives (FREE, n), pattern (n,) and distances from edges in blurs (n,)."""
 
 
 @compiled
 def empty_rows(n: int) -> Rows:
     """Return arrays for that many pixels."""
-    return np.empty(n), np.empty((FREE, n)), np.empty(n), np.empty(n), np.empty((2, n))
+    return np.empty(n), np.empty((FREE, n)), np.empty(n), np.empty(n)
 
 
 @compiled
@@ -81,30 +83,32 @@ def fill_printed(
         Overwritten.
     """
     offset, value = pixels
-    residual, jacobian, board, off_edges, steep = rows
+    residual, jacobian, board, off_edges = rows
     nodes, sign, left = quadrature(state[2], state[3])
     mean, half, gx, gy = state[6], state[7], state[8], state[9]
     # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves each edge.
     moved0 = state[4] * (cos(state[2]) * gx + sin(state[2]) * gy)
     moved1 = state[5] * (cos(state[3]) * gx + sin(state[3]) * gy)
-    M, Q = around.linear, around.square
+    M, Q, h, terms = around.linear, around.square, around.perspective, np.empty(_TERMS)
     across, down = np.empty((3, _MOST_LINES)), np.empty((3, _MOST_LINES))
     nearest_x = np.searchsorted(print_.x, around.at[0])
     nearest_y = np.searchsorted(print_.y, around.at[1])
     for k in range(len(value)):
         x, y = offset[0, k] - state[0], offset[1, k] - state[1]
-        px = M[0, 0] + Q[0, 0] * x + Q[0, 1] * y
-        py = M[0, 1] + Q[0, 1] * x + Q[0, 2] * y
-        qx = M[1, 0] + Q[1, 0] * x + Q[1, 1] * y
-        qy = M[1, 1] + Q[1, 1] * x + Q[1, 2] * y
+        away = 1.0 / (1.0 + h[0] * x + h[1] * y)
+        plain_x, plain_y = (M[0, 0] * x + M[0, 1] * y) * away, (M[1, 0] * x + M[1, 1] * y) * away
+        px = (M[0, 0] - plain_x * h[0]) * away + Q[0, 0] * x + Q[0, 1] * y
+        py = (M[0, 1] - plain_x * h[1]) * away + Q[0, 1] * x + Q[0, 2] * y
+        qx = (M[1, 0] - plain_y * h[0]) * away + Q[1, 0] * x + Q[1, 1] * y
+        qy = (M[1, 1] - plain_y * h[1]) * away + Q[1, 1] * x + Q[1, 2] * y
+        terms[0], terms[1] = x * away, y * away
+        terms[2], terms[3], terms[4] = 0.5 * x * x, x * y, 0.5 * y * y
+        bent_x = Q[0, 0] * terms[2] + Q[0, 1] * terms[3] + Q[0, 2] * terms[4]
+        bent_y = Q[1, 0] * terms[2] + Q[1, 1] * terms[3] + Q[1, 2] * terms[4]
         first_scale, second_scale = hypot(px, py), hypot(qx, qy)
         blur0, blur1 = state[4] * first_scale, state[5] * second_scale
-        first = Axis(
-            around.at[0] + 0.5 * ((M[0, 0] + px) * x + (M[0, 1] + py) * y) + moved0 * blur0, blur0
-        )
-        second = Axis(
-            around.at[1] + 0.5 * ((M[1, 0] + qx) * x + (M[1, 1] + qy) * y) + moved1 * blur1, blur1
-        )
+        first = Axis(around.at[0] + plain_x + bent_x + moved0 * blur0, blur0)
+        second = Axis(around.at[1] + plain_y + bent_y + moved1 * blur1, blur1)
         near_x, near_y = near_lines(first, print_.x, nearest_x), near_lines(second, print_.y, nearest_y)
         many_x, many_y = near_x[1] - near_x[0], near_y[1] - near_y[0]
         X = by_x = by_y = by_blur0 = by_blur1 = 0.0
@@ -139,53 +143,64 @@ def fill_printed(
         jacobian[3, k] = size * (by_blur1 + 2.0 * moved1 * by_y) * second_scale
         jacobian[4, k] = light
         jacobian[5, k] = light * X
+        for term in range(_TERMS):
+            jacobian[_OWN + term, k] = size * by_x * terms[term]
+            jacobian[_OWN + _TERMS + term, k] = size * by_y * terms[term]
         residual[k] = value[k] - light * plain
         board[k] = X
         steepest = max(abs(by_x) * blur0, abs(by_y) * blur1) / _STEEPEST
         off_edges[k] = sqrt(-2.0 * log(min(max(steepest, _FLAT), 1.0)))
-        steep[0, k], steep[1, k] = size * by_x, size * by_y
 
 
 @compiled
 def settled_print(
     state: np.ndarray,
     pixels: tuple[np.ndarray, np.ndarray],
-    place: tuple[LocalMap, PrintLines],
+    place: tuple[LocalMap, PrintLines, np.ndarray],
     tolerance: float,
     limits: FitLimits,
-) -> tuple[float, Rows]:
-    """Iterate a state, in place, to the least squares; return the root mean square residual, and the rows.
+) -> float:
+    """Iterate a state and its map, in place, to the least squares; return the root mean square residual.
 
-    It is as the last step leaves it by the linear model, and negative if the state runs away; the rows are
-    those before that step. It ends at a step of `tolerance`, px.
+    It is as the last step leaves it by the linear model, and negative if the state runs away. `place` holds,
+    besides, the information on the map's coefficients, (2, 5, 2, 5), over that of a pixel. It ends at a step
+    of `tolerance`, px.
     """
+    around, print_, prior = place
     n = len(pixels[1])
     rows = empty_rows(n)
-    change, gradient = np.empty(FREE), np.empty(FREE)
+    change, gradient, moved = np.empty(FREE), np.empty(FREE), np.zeros(FREE)
     for _ in range(limits.max_iterations):
-        fill_printed(state, pixels, place[0], place[1], rows)
+        fill_printed(state, pixels, around, print_, rows)
         residual, jacobian = rows[0], rows[1]
-        normal = jacobian @ jacobian.T
+        normal = jacobian @ jacobian.T + prior
         for i in range(FREE):
-            change[i] = (jacobian[i] * residual).sum()
+            change[i] = (jacobian[i] * residual).sum() - (prior[i] * moved).sum()
             normal[i, i] *= 1.0 + _RIDGE
         gradient[:] = change
         if not factorise(normal, FREE, _SINGULAR):
-            return -1.0, rows
+            return -1.0
         solve(normal, change)
         if not np.isfinite(change).all():
-            return -1.0, rows
+            return -1.0
         far = max(hypot(change[0], change[1]) / limits.max_step_px, 1.0)
-        for i in range(FREE):
+        for i in range(_OWN):
             at = _OF_STATE[i]
-            moved = state[at] + change[i] / far
+            new = state[at] + change[i] / far
             if _FIRST_BLUR <= i <= _LAST_BLUR:  # at most doubled or halved
-                moved = max(min(max(moved, 0.5 * state[at]), 2.0 * state[at]), limits.min_blur_px)
-            state[at] = moved
+                new = max(min(max(new, 0.5 * state[at]), 2.0 * state[at]), limits.min_blur_px)
+            state[at] = new
+        for i in range(_OWN, FREE):
+            moved[i] += change[i] / far
+            axis, term = (i - _OWN) // _TERMS, (i - _OWN) % _TERMS
+            if term < 2:
+                around.linear[axis, term] += change[i] / far
+            else:
+                around.square[axis, term - 2] += change[i] / far
         if max(abs(change[0]), abs(change[1])) < tolerance:
             squares = (residual * residual).sum() - (change * gradient).sum()
-            return sqrt(max(squares, 0.0) / n), rows
-    return -1.0, rows
+            return sqrt(max(squares, 0.0) / n)
+    return -1.0
 
 
 @compiled
@@ -197,7 +212,7 @@ def print_pixels(
     `limits` are the reach along either axis, in squares, and the most distance, px.
     """
     share, reach = limits
-    M, Q = around.linear, around.square
+    M, Q, h = around.linear, around.square, around.perspective
     det = abs(M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0])
     # By half more than the parallelogram of the linear part, since the map is none.
     across = min(reach, 1.5 * share * (abs(M[1, 1]) + abs(M[0, 1])) / det)
@@ -212,8 +227,11 @@ def print_pixels(
     for j in range(high):
         for i in range(wide):
             x, y = left + i - centre[0], top + j - centre[1]
-            a = M[0, 0] * x + M[0, 1] * y + 0.5 * (Q[0, 0] * x * x + Q[0, 2] * y * y) + Q[0, 1] * x * y
-            b = M[1, 0] * x + M[1, 1] * y + 0.5 * (Q[1, 0] * x * x + Q[1, 2] * y * y) + Q[1, 1] * x * y
+            away = 1.0 + h[0] * x + h[1] * y
+            if away <= 0.0:
+                continue
+            a = (M[0, 0] * x + M[0, 1] * y) / away + 0.5 * (Q[0, 0] * x * x + Q[0, 2] * y * y) + Q[0, 1] * x * y
+            b = (M[1, 0] * x + M[1, 1] * y) / away + 0.5 * (Q[1, 0] * x * x + Q[1, 2] * y * y) + Q[1, 1] * x * y
             if max(abs(a), abs(b)) >= share or hypot(x, y) >= reach:
                 continue
             mask[j, i] = True
