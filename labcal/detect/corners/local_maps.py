@@ -10,7 +10,7 @@ from labcal.geometry.projective_map import projective_map
 
 _REACHES = (1, 2)
 """Nodes to either side that tell a map, the nearest that are enough."""
-_ENOUGH = (7, 4)
+_ENOUGH = (6, 4)
 """Corners that are enough, by reach."""
 _TERMS = 6
 """Constant, two linear and three of second order."""
@@ -48,7 +48,7 @@ class LocalMaps:
 
 
 def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: float) -> LocalMaps:
-    """Return the maps around corners by least squares, from up to 9 or 25 around each, itself included.
+    """Return the maps around corners by least squares, from up to 8 or 24 around each.
 
     Parameters
     ----------
@@ -70,7 +70,8 @@ def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: f
     coefficients, information = np.full((count, 2, _TERMS), np.nan), np.zeros((count, 10, 10))
     for reach, enough in zip(_REACHES, _ENOUGH, strict=True):
         missing = np.flatnonzero(np.isnan(coefficients[:, 0, 0]))
-        near = around(spread, reach)[:, *grid.at][:, missing]
+        near = around(spread, reach)[:, *grid.at][:, missing].copy()
+        near[len(near) // 2, :, 4] = 0.0  # its own noise must not return by its map
         told = ((np.nan_to_num(near[..., 4]) > 0.0).sum(axis=0) >= enough) & _in_front(
             near, places[missing], perspective[missing]
         )

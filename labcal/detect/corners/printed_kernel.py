@@ -1,6 +1,6 @@
 """The blurred print around a corner and its fit, in compiled code; what they mean stands at `printed_fit`."""
 
-from math import cos, hypot, log, sin, sqrt
+from math import hypot, log, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 from labcal.detect.corners.corner_kernel import FitLimits
-from labcal.detect.corners.printed_profile import Axis, near_lines, quadrature, write_profile
+from labcal.detect.corners.printed_profile import MOST_OBLIQUE, Axis, near_lines, quadrature, write_profile
 
 FREE = 16
 """Free parameters: corner 2, blurs 2, mean, half step, and the coefficients of both axes' map, 5 each."""
@@ -62,6 +62,24 @@ def empty_rows(n: int) -> Rows:
 
 
 @compiled
+def _most_correlated(offset: np.ndarray, around: LocalMap) -> float:
+    """Return the largest correlation of the blurs along both axes, about, at the pixels (2, n) of a window."""
+    M, h = around.linear, around.perspective
+    x, y = np.abs(offset[0]).max(), np.abs(offset[1]).max()
+    most = 0.0
+    for across in (-1.0, 0.0, 1.0):
+        for down in (-1.0, 0.0, 1.0):
+            # Half way to the corners of the rectangle, which is wider than the window.
+            along, up = 0.5 * across * x, 0.5 * down * y
+            away = 1.0 / max(1.0 + h[0] * along + h[1] * up, 0.1)
+            plain = M @ np.array([along, up]) * away
+            px, py = M[0, 0] - plain[0] * h[0], M[0, 1] - plain[0] * h[1]
+            qx, qy = M[1, 0] - plain[1] * h[0], M[1, 1] - plain[1] * h[1]
+            most = max(most, abs(px * qx + py * qy) / (hypot(px, py) * hypot(qx, qy)))
+    return most
+
+
+@compiled
 def fill_printed(
     state: np.ndarray,
     pixels: tuple[np.ndarray, np.ndarray],
@@ -84,13 +102,10 @@ def fill_printed(
     """
     offset, value = pixels
     residual, jacobian, board, off_edges = rows
-    nodes, sign, left = quadrature(state[2], state[3])
     mean, half, gx, gy = state[6], state[7], state[8], state[9]
-    # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves each edge.
-    moved0 = state[4] * (cos(state[2]) * gx + sin(state[2]) * gy)
-    moved1 = state[5] * (cos(state[3]) * gx + sin(state[3]) * gy)
     M, Q, h, terms = around.linear, around.square, around.perspective, np.empty(_TERMS)
     across, down = np.empty((3, _MOST_LINES)), np.empty((3, _MOST_LINES))
+    nodes = quadrature(_most_correlated(offset, around))
     nearest_x = np.searchsorted(print_.x, around.at[0])
     nearest_y = np.searchsorted(print_.y, around.at[1])
     for k in range(len(value)):
@@ -107,8 +122,10 @@ def fill_printed(
         bent_y = Q[1, 0] * terms[2] + Q[1, 1] * terms[3] + Q[1, 2] * terms[4]
         first_scale, second_scale = hypot(px, py), hypot(qx, qy)
         blur0, blur1 = state[4] * first_scale, state[5] * second_scale
-        first = Axis(around.at[0] + plain_x + bent_x + moved0 * blur0, blur0)
-        second = Axis(around.at[1] + plain_y + bent_y + moved1 * blur1, blur1)
+        # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves all edges.
+        moved0, moved1 = state[4] * (px * gx + py * gy), state[5] * (qx * gx + qy * gy)
+        first = Axis(around.at[0] + plain_x + bent_x + state[4] * moved0, blur0)
+        second = Axis(around.at[1] + plain_y + bent_y + state[5] * moved1, blur1)
         near_x, near_y = near_lines(first, print_.x, nearest_x), near_lines(second, print_.y, nearest_y)
         many_x, many_y = near_x[1] - near_x[0], near_y[1] - near_y[0]
         X = by_x = by_y = by_blur0 = by_blur1 = 0.0
@@ -116,12 +133,16 @@ def fill_printed(
             X = print_.cells[near_x[0], near_y[0]]
         else:
             single = many_x == 0 or many_y == 0
+            correlation = (px * qx + py * qy) / (first_scale * second_scale)
+            size = min(abs(correlation), MOST_OBLIQUE)
+            along = sqrt(size)
+            left, sign = sqrt(1.0 - size), along if correlation > 0.0 else -along
             for node in range(1 if single else nodes.shape[1]):
                 share = 1.0 if single else nodes[1, node]
-                shift = 0.0 if single else nodes[0, node]
+                at = 0.0 if single else nodes[0, node]
                 rest = 1.0 if single else left
-                write_profile(first, near_x, print_.x, (shift, rest), across)
-                write_profile(second, near_y, print_.y, (sign * shift, rest), down)
+                write_profile(first, near_x, print_.x, (along * at, rest), across)
+                write_profile(second, near_y, print_.y, (sign * at, rest), down)
                 for i in range(many_x + 1):
                     w = d = e = 0.0
                     for j in range(many_y + 1):
@@ -134,18 +155,19 @@ def fill_printed(
                     by_y += share * across[0, i] * d
                     by_blur0 += share * across[2, i] * w
                     by_blur1 += share * across[0, i] * e
-        light = 1.0 + gx * offset[0, k] + gy * offset[1, k]
+        lit = gx * offset[0, k] + gy * offset[1, k]
+        light = 1.0 + lit + 0.5 * lit * lit
         plain = mean + half * X
-        size = light * half
-        jacobian[0, k] = -size * (by_x * px + by_y * qx)
-        jacobian[1, k] = -size * (by_x * py + by_y * qy)
-        jacobian[2, k] = size * (by_blur0 + 2.0 * moved0 * by_x) * first_scale
-        jacobian[3, k] = size * (by_blur1 + 2.0 * moved1 * by_y) * second_scale
+        height = light * half
+        jacobian[0, k] = -height * (by_x * px + by_y * qx)
+        jacobian[1, k] = -height * (by_x * py + by_y * qy)
+        jacobian[2, k] = height * (by_blur0 * first_scale + 2.0 * moved0 * by_x)
+        jacobian[3, k] = height * (by_blur1 * second_scale + 2.0 * moved1 * by_y)
         jacobian[4, k] = light
         jacobian[5, k] = light * X
         for term in range(_TERMS):
-            jacobian[_OWN + term, k] = size * by_x * terms[term]
-            jacobian[_OWN + _TERMS + term, k] = size * by_y * terms[term]
+            jacobian[_OWN + term, k] = height * by_x * terms[term]
+            jacobian[_OWN + _TERMS + term, k] = height * by_y * terms[term]
         residual[k] = value[k] - light * plain
         board[k] = X
         steepest = max(abs(by_x) * blur0, abs(by_y) * blur1) / _STEEPEST

@@ -1,6 +1,6 @@
 """Blurred steps of a print along one of its axes, and nodes that join both axes; in compiled code."""
 
-from math import cos, exp, sqrt
+from math import exp, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ _STEPS = 256
 _TABLE_AT = np.arange(-int(_FAR * _STEPS) - 1, int(_FAR * _STEPS) + 2) / _STEPS
 _BELOW = np.ascontiguousarray(ndtr(_TABLE_AT))
 _DENSITY = np.exp(-0.5 * _TABLE_AT**2) / sqrt(2.0 * np.pi)
-_MOST_OBLIQUE = 0.97
+MOST_OBLIQUE = 0.97
 """Cosine of the angle between the axes' normals."""
 _NODES = tuple(np.polynomial.hermite_e.hermegauss(count) for count in (3, 5, 8))
 _NODES_3, _NODES_5, _NODES_8 = (np.stack([x, w / w.sum()]) for x, w in _NODES)
@@ -35,35 +35,31 @@ class Axis(NamedTuple):
 
 
 @compiled
-def quadrature(first_angle: float, second_angle: float) -> tuple[np.ndarray, float, float]:
-    """Return nodes and weights (2, k), the sign of the second axis's shift, and the share of either blur left.
+def quadrature(correlation: float) -> np.ndarray:
+    """Return nodes and weights (2, k) of a normal distribution that join two axes whose blurs correlate so.
 
     A blur that is alike in all directions is correlated between oblique axes. It is a blur along each axis
-    alone, after one along a diagonal, of which these are the nodes.
+    alone, by the share ``1 - c`` of the variance, after one along a diagonal, of which these are the nodes.
     """
-    correlation = cos(first_angle - second_angle)
-    size = min(abs(correlation), _MOST_OBLIQUE)
-    sign = 1.0 if correlation > 0.0 else -1.0
+    size = min(abs(correlation), MOST_OBLIQUE)
     if size < _RIGHT:
         single = np.zeros((2, 1))
         single[1, 0] = 1.0
-        return single, 1.0, 1.0
+        return single
     if size < _UP_TO_3:
-        rule = _NODES_3.copy()
-    elif size < _UP_TO_5:
-        rule = _NODES_5.copy()
-    elif size < _UP_TO_8:
-        rule = _NODES_8.copy()
-    else:
-        step = _NODE_STEP * sqrt(1.0 - size)
-        side = int(np.ceil(_LAST_NODE / step))
-        rule = np.empty((2, 2 * side + 1))
-        for k in range(2 * side + 1):
-            rule[0, k] = step * (k - side)
-            rule[1, k] = exp(-0.5 * rule[0, k] ** 2)
-        rule[1] /= rule[1].sum()
-    rule[0] *= sqrt(size)
-    return rule, sign, sqrt(1.0 - size)
+        return _NODES_3.copy()
+    if size < _UP_TO_5:
+        return _NODES_5.copy()
+    if size < _UP_TO_8:
+        return _NODES_8.copy()
+    step = _NODE_STEP * sqrt(1.0 - size)
+    side = int(np.ceil(_LAST_NODE / step))
+    rule = np.empty((2, 2 * side + 1))
+    for k in range(2 * side + 1):
+        rule[0, k] = step * (k - side)
+        rule[1, k] = exp(-0.5 * rule[0, k] ** 2)
+    rule[1] /= rule[1].sum()
+    return rule
 
 
 @compiled
