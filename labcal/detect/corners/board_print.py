@@ -1,13 +1,34 @@
 """The whole print of a ChArUco board, squares and cells of markers, as lines and cells between them."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from labcal.detect.corners.printed_kernel import PrintLines
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import markers
 
+_EDGE, _OUTER, _INNER = 0, 1, 2
+"""Kinds of lines: of squares, of the outer edges of markers, and in markers."""
 
-def board_print(board: CharucoBoard) -> PrintLines:
+
+@dataclass(frozen=True)
+class BoardPrint:
+    """The print of a board.
+
+    Attributes
+    ----------
+    lines : PrintLines
+    x_kinds, y_kinds : ndarray of int
+        0 for lines of squares, 1 for outer edges of markers, 2 for lines in these.
+    """
+
+    lines: PrintLines
+    x_kinds: np.ndarray
+    y_kinds: np.ndarray
+
+
+def board_print(board: CharucoBoard) -> BoardPrint:
     """Return the print of a board in squares, with its corner (0, 0) at (0, 0); what is around it is white.
 
     Parameters
@@ -32,4 +53,6 @@ def board_print(board: CharucoBoard) -> PrintLines:
         # The first interval of a square is the white before its marker. Rows of cells run down.
         col, row = 2 + span * a, 2 + span * b
         cells[col : col + count, row : row + count] = np.where(black[::-1], -1.0, 1.0).T
-    return PrintLines(x_lines, y_lines, cells)
+    kinds = np.array([_EDGE, _OUTER, *[_INNER] * (count - 1), _OUTER])
+    x_kinds, y_kinds = (np.append(np.tile(kinds, squares), _EDGE) for squares in board.squares)
+    return BoardPrint(PrintLines(x_lines, y_lines, cells), x_kinds, y_kinds)

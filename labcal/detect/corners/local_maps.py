@@ -8,14 +8,15 @@ from labcal.detect.corners.node_grid import NodeGrid, around
 from labcal.detect.lattice.lattice import Node
 from labcal.geometry.projective_map import projective_map
 
-_REACHES = (1, 2)
-"""Nodes to either side that tell a map, the nearest that are enough."""
-_ENOUGH = (6, 4)
-"""Corners that are enough, by reach."""
-_TERMS = 6
-"""Constant, two linear and three of second order."""
-_BEND = 1.0
-"""Expected curvature of straight lines by a lens, over the reciprocal of the picture's side: a fisheye's."""
+_REACH, _ENOUGH = 2, 4
+"""Nodes to either side that tell a map, and the fewest corners that do."""
+_TERMS, _KEPT = 10, 6
+"""Of a polynomial of third order in two variables, and those of second order."""
+_BEND, _TURN = 1.0, 2.0
+"""Expected curvature of straight lines by a lens, and its change along them: as of a fisheye. Their units are
+the reciprocal of the picture's side, and its square."""
+_FOURTH = 1.0 / 24.0
+"""Expected departure beyond the third order, in fourth powers of the distance over cubes of that side."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class LocalMaps:
 
 
 def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: float) -> LocalMaps:
-    """Return the maps around corners by least squares, from up to 8 or 24 around each.
+    """Return the maps around corners by least squares, from up to 24 around each.
 
     Parameters
     ----------
@@ -67,19 +68,15 @@ def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: f
     spread = grid.spread(
         np.concatenate([places, grid.nodes.astype(np.float64), (1.0 / sigma)[:, None]], axis=1)
     )
-    coefficients, information = np.full((count, 2, _TERMS), np.nan), np.zeros((count, 10, 10))
-    for reach, enough in zip(_REACHES, _ENOUGH, strict=True):
-        missing = np.flatnonzero(np.isnan(coefficients[:, 0, 0]))
-        near = around(spread, reach)[:, *grid.at][:, missing].copy()
-        near[len(near) // 2, :, 4] = 0.0  # its own noise must not return by its map
-        told = ((np.nan_to_num(near[..., 4]) > 0.0).sum(axis=0) >= enough) & _in_front(
-            near, places[missing], perspective[missing]
+    coefficients, information = np.full((count, 2, _KEPT), np.nan), np.zeros((count, 10, 10))
+    near = around(spread, _REACH)[:, *grid.at].copy()
+    near[len(near) // 2, :, 4] = 0.0  # its own noise must not return by its map
+    told = (np.nan_to_num(near[..., 4]) > 0.0).sum(axis=0) >= _ENOUGH
+    told &= _in_front(near, places, perspective)
+    if told.any():
+        coefficients[told], information[told] = _fitted(
+            near[:, told], places[told], grid.nodes[told], perspective[told], side
         )
-        if told.any():
-            at = missing[told]
-            coefficients[at], information[at] = _fitted(
-                near[:, told], places[at], grid.nodes[at], perspective[at], side
-            )
     return LocalMaps(coefficients[..., 1:3], coefficients[..., 3:], perspective, information)
 
 
@@ -99,18 +96,22 @@ def _fitted(
     steps = np.where(known[..., None], np.moveaxis(near[..., 2:4] - nodes, 0, 1), 0.0)
     x, y = np.moveaxis(away, 2, 0)
     over = 1.0 / (1.0 + np.einsum("nka,na->nk", away, perspective))
-    design = np.stack([np.ones_like(x), x * over, y * over, 0.5 * x * x, x * y, 0.5 * y * y], axis=-1)
-    weighted = design * weight[..., None] ** 2
+    second = [0.5 * x * x, x * y, 0.5 * y * y]
+    third = [x**3 / 6.0, 0.5 * x * x * y, 0.5 * x * y * y, y**3 / 6.0]
+    design = np.stack([np.ones_like(x), x * over, y * over, *second, *third], axis=-1)
+    beyond = _FOURTH * (x * x + y * y) ** 2 / side**3
+    weighted = design * (known / (np.where(known, weight, 1.0) ** -2 + beyond**2))[..., None]
     normal = np.einsum("nki,nkj->nij", weighted, design)
-    # A bend in px is expected to be 0, with a standard deviation.
-    normal[:, range(3, 6), range(3, 6)] += (side / _BEND) ** 2
+    # Bends in px are expected to be 0, with standard deviations.
+    normal[:, range(3, _KEPT), range(3, _KEPT)] += (side / _BEND) ** 2
+    normal[:, range(_KEPT, _TERMS), range(_KEPT, _TERMS)] += (side**2 / _TURN) ** 2
     right = np.einsum("nki,nka->nia", weighted, steps)
     size = np.sqrt(np.einsum("nii->ni", normal))
     scaled = normal / (size[:, None] * size[..., None])
     inverse = np.linalg.inv(scaled) / (size[:, None] * size[..., None])
-    coefficients = np.einsum("nij,nja->nai", inverse, right)
+    coefficients = np.einsum("nij,nja->nai", inverse, right)[..., :_KEPT]
     # Errors in px are, along the board's axes, as the linear part has it.
     M = coefficients[..., 1:3]
     to_px = np.linalg.inv(M @ M.transpose(0, 2, 1))
-    information = np.einsum("nab,nij->naibj", to_px, np.linalg.inv(inverse[:, 1:, 1:]))
+    information = np.einsum("nab,nij->naibj", to_px, np.linalg.inv(inverse[:, 1:_KEPT, 1:_KEPT]))
     return coefficients, information.reshape(-1, 10, 10)

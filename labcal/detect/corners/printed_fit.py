@@ -57,7 +57,7 @@ def fit_print(
     grey: GreyPicture,
     first: SettledCorner,
     place: tuple[LocalMap, np.ndarray],
-    print_: PrintLines,
+    print_: tuple[PrintLines, float],
     settings: CornerSettings,
 ) -> PrintedCorner | None:
     """Fit ``(1 + g d) (m + h X)`` to all pixels nearer to a corner than to the next ones, by Gauss-Newton.
@@ -74,7 +74,8 @@ def fit_print(
         A fit that is near, with the slope of the light.
     place : (LocalMap, ndarray)
         The map, and the information on it (10, 10).
-    print_ : PrintLines
+    print_ : (PrintLines, float)
+        And the share of ``1 - X^2`` that a tone curve adds to the pattern X.
     settings : CornerSettings
 
     Returns
@@ -82,19 +83,19 @@ def fit_print(
     PrintedCorner or None
         None where the fit leaves the first one by more than either may be off.
     """
-    around = LocalMap(*(part.copy() for part in place[0]))
+    around, (lines, tone) = LocalMap(*(part.copy() for part in place[0])), print_
     centre, M = np.ascontiguousarray(first.centre), around.linear
     mask, offset, value = print_pixels(
         grey, centre, around, (settings.wide_reach_squares, settings.max_reach_px)
     )
     if len(value) < settings.min_pixels:
         return None
-    state = np.concatenate([np.zeros(2), np.arctan2(M[:, 1], M[:, 0]), first.state[4:]])
+    state = np.concatenate([np.zeros(2), np.arctan2(M[:, 1], M[:, 0]), first.state[4:PARAMETERS], [tone]])
     prior = np.zeros((FREE, FREE))
     noise = max(first.roughness * first.step, _LEAST_NOISE)
     prior[-len(place[1]) :, -len(place[1]) :] = noise**2 * place[1]
     rms = settled_print(
-        state, (offset, value), (around, print_, prior), settings.tolerance_px, settings.limits(FitLimits)
+        state, (offset, value), (around, lines, prior), settings.tolerance_px, settings.limits(FitLimits)
     )
     if rms < 0.0 or state[7] <= 0.0:
         return None
@@ -103,5 +104,5 @@ def fit_print(
         return None
     window = CornerPixels(mask, offset, value, _NO_GAP)
     return PrintedCorner(
-        state, window, centre, rms / (2.0 * float(state[7])), FREE, around=around, print_=print_, prior=prior
+        state, window, centre, rms / (2.0 * float(state[7])), FREE, around=around, print_=lines, prior=prior
     )

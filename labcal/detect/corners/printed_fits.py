@@ -7,10 +7,11 @@ import numpy as np
 
 from labcal.detect.corners.board_print import board_print
 from labcal.detect.corners.corner_fit import SettledCorner, judge
-from labcal.detect.corners.corners import Corners
+from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.known_light import light_slopes
 from labcal.detect.corners.local_maps import local_maps
 from labcal.detect.corners.node_grid import NodeGrid, median_around
+from labcal.detect.corners.print_errors import PrintErrors, print_errors
 from labcal.detect.corners.printed_fit import PrintedCorner, fit_print
 from labcal.detect.corners.printed_kernel import LocalMap, PrintLines
 from labcal.detect.grey import GreyPicture
@@ -42,12 +43,17 @@ def printed_corners(
     """
     nodes = [(int(i), int(j)) for i, j in corners.index]
     first = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
-    if not first:
+    if not spans_a_plane(np.array(list(first), dtype=np.int64).reshape(-1, 2)):
         return corners
-    fits, print_ = first, board_print(board)
-    for _ in range(_ROUNDS):
-        printed = _by_print(grey, print_, fits, settings)
-        fits = first | _clear(printed, settings.clear_roughness_factor)
+    fits, design, errors = first, board_print(board), PrintErrors.none()
+    rounds = _ROUNDS
+    while rounds:
+        print_ = errors.of(design).lines, errors.tone
+        printed = _clear(_by_print(grey, print_, fits, settings), settings.clear_roughness_factor)
+        fits, rounds = first | printed, rounds - 1
+        before, errors = errors, print_errors(design, errors, printed.values())
+        if rounds == 1 and errors is not before:
+            rounds += not before.values.any()  # a further round, once
     found = [fits.get(node) for node in nodes]
     seen_at = [
         place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
@@ -56,7 +62,7 @@ def printed_corners(
 
 
 def _by_print(
-    grey: GreyPicture, print_: PrintLines, fits: Mapping[Node, SettledCorner], settings: CornerSettings
+    grey: GreyPicture, print_: tuple[PrintLines, float], fits: Mapping[Node, SettledCorner], settings: CornerSettings
 ) -> dict[Node, PrintedCorner]:
     """Return the fits by the print that converge, with the maps and the light that given fits tell."""
     nodes = list(fits)

@@ -91,8 +91,8 @@ def fill_printed(
 
     Parameters
     ----------
-    state : ndarray, shape (PARAMETERS,)
-        Of a chessboard's corner.
+    state : ndarray, shape (PARAMETERS + 1,)
+        Of a chessboard's corner, and the share c of ``1 - X^2`` that a tone curve adds to the pattern X.
     pixels : tuple of ndarray
         Offsets (2, n) from where the fit begins, and values (n,).
     around : LocalMap
@@ -102,7 +102,7 @@ def fill_printed(
     """
     offset, value = pixels
     residual, jacobian, board, off_edges = rows
-    mean, half, gx, gy = state[6], state[7], state[8], state[9]
+    mean, half, gx, gy, tone = state[6], state[7], state[8], state[9], state[10]
     M, Q, h, terms = around.linear, around.square, around.perspective, np.empty(_TERMS)
     across, down = np.empty((3, _MOST_LINES)), np.empty((3, _MOST_LINES))
     nodes = quadrature(_most_correlated(offset, around))
@@ -157,14 +157,15 @@ def fill_printed(
                     by_blur1 += share * across[0, i] * e
         lit = gx * offset[0, k] + gy * offset[1, k]
         light = 1.0 + lit + 0.5 * lit * lit
-        plain = mean + half * X
-        height = light * half
+        toned = X + tone * (1.0 - X * X)
+        plain = mean + half * toned
+        height = light * half * (1.0 - 2.0 * tone * X)
         jacobian[0, k] = -height * (by_x * px + by_y * qx)
         jacobian[1, k] = -height * (by_x * py + by_y * qy)
         jacobian[2, k] = height * (by_blur0 * first_scale + 2.0 * moved0 * by_x)
         jacobian[3, k] = height * (by_blur1 * second_scale + 2.0 * moved1 * by_y)
         jacobian[4, k] = light
-        jacobian[5, k] = light * X
+        jacobian[5, k] = light * toned
         for term in range(_TERMS):
             jacobian[_OWN + term, k] = height * by_x * terms[term]
             jacobian[_OWN + _TERMS + term, k] = height * by_y * terms[term]
