@@ -6,7 +6,7 @@ import numpy as np
 
 from labcal.detect.corners.node_grid import NodeGrid, around
 from labcal.detect.lattice.lattice import Node
-from labcal.geometry.projective_map import projective_map
+from labcal.geometry.projective_map import homogeneous, projective_map
 
 _REACH, _ENOUGH = 2, 4
 """Nodes to either side that tell a map, and the fewest corners that do."""
@@ -17,6 +17,9 @@ _BEND, _TURN = 1.0, 2.0
 the reciprocal of the picture's side, and its square."""
 _FOURTH = 1.0 / 24.0
 """Expected departure beyond the third order, in fourth powers of the distance over cubes of that side."""
+_HOMOGRAPHY = 8
+"""Parameters."""
+_LEAST_SHARE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,9 @@ def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: f
         Of the picture, px.
     """
     grid, count = NodeGrid.of(nodes), len(nodes)
-    H = np.linalg.inv(projective_map("corners", grid.nodes.astype(np.float64), places))
+    to_picture = projective_map("corners", grid.nodes.astype(np.float64), places)
+    share = _bend_share(to_picture, grid.nodes, places, (sigma, side))
+    H = np.linalg.inv(to_picture)
     perspective = H[2, :2] / (places @ H[2, :2] + H[2, 2])[:, None]
     spread = grid.spread(
         np.concatenate([places, grid.nodes.astype(np.float64), (1.0 / sigma)[:, None]], axis=1)
@@ -75,9 +80,31 @@ def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: f
     told &= _in_front(near, places, perspective)
     if told.any():
         coefficients[told], information[told] = _fitted(
-            near[:, told], places[told], grid.nodes[told], perspective[told], side
+            near[:, told], places[told], grid.nodes[told], perspective[told], (side, share)
         )
     return LocalMaps(coefficients[..., 1:3], coefficients[..., 3:], perspective, information)
+
+
+def _bend_share(
+    to_picture: np.ndarray, nodes: np.ndarray, places: np.ndarray, scale: tuple[np.ndarray, float]
+) -> float:
+    """Return how much a picture may be bent, over what a fisheye bends: what corners leave of a homography.
+
+    `scale` holds the errors of the places (n,) and the picture's side, px. The residuals beyond the errors,
+    and three deviations more, are the size that a change of curvature has over the board.
+    """
+    sigma, side = scale
+    counted = np.isfinite(sigma)
+    spare = 2 * int(counted.sum()) - _HOMOGRAPHY
+    if spare <= 0:
+        return 1.0
+    nodes, places, sigma = nodes[counted], places[counted], sigma[counted]
+    xyw = homogeneous(nodes.astype(np.float64)) @ to_picture.T
+    residual = places - xyw[:, :2] / xyw[:, 2:]
+    excess = float((residual**2 / sigma[:, None] ** 2).sum()) / spare - 1.0
+    beyond = np.sqrt((max(excess, 0.0) + 3.0 * np.sqrt(2.0 / spare)) * float(np.median(sigma)) ** 2)
+    reach = float(np.sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean()))
+    return float(np.clip(beyond / (_TURN * reach**3 / (6.0 * side**2)), _LEAST_SHARE, 1.0))
 
 
 def _in_front(near: np.ndarray, places: np.ndarray, perspective: np.ndarray) -> np.ndarray:
@@ -87,9 +114,10 @@ def _in_front(near: np.ndarray, places: np.ndarray, perspective: np.ndarray) -> 
 
 
 def _fitted(
-    near: np.ndarray, places: np.ndarray, nodes: np.ndarray, perspective: np.ndarray, side: float
+    near: np.ndarray, places: np.ndarray, nodes: np.ndarray, perspective: np.ndarray, lens: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return coefficients (n, 2, 6) and information (n, 10, 10) from places, nodes and weights (k, n, 5)."""
+    side, share = lens
     weight = np.nan_to_num(near[..., 4]).T
     known = weight > 0.0
     away = np.where(known[..., None], np.moveaxis(near[..., :2] - places, 0, 1), 0.0)
@@ -99,12 +127,12 @@ def _fitted(
     second = [0.5 * x * x, x * y, 0.5 * y * y]
     third = [x**3 / 6.0, 0.5 * x * x * y, 0.5 * x * y * y, y**3 / 6.0]
     design = np.stack([np.ones_like(x), x * over, y * over, *second, *third], axis=-1)
-    beyond = _FOURTH * (x * x + y * y) ** 2 / side**3
+    beyond = share * _FOURTH * (x * x + y * y) ** 2 / side**3
     weighted = design * (known / (np.where(known, weight, 1.0) ** -2 + beyond**2))[..., None]
     normal = np.einsum("nki,nkj->nij", weighted, design)
     # Bends in px are expected to be 0, with standard deviations.
-    normal[:, range(3, _KEPT), range(3, _KEPT)] += (side / _BEND) ** 2
-    normal[:, range(_KEPT, _TERMS), range(_KEPT, _TERMS)] += (side**2 / _TURN) ** 2
+    normal[:, range(3, _KEPT), range(3, _KEPT)] += (side / (share * _BEND)) ** 2
+    normal[:, range(_KEPT, _TERMS), range(_KEPT, _TERMS)] += (side**2 / (share * _TURN)) ** 2
     right = np.einsum("nki,nka->nia", weighted, steps)
     size = np.sqrt(np.einsum("nii->ni", normal))
     scaled = normal / (size[:, None] * size[..., None])
