@@ -8,10 +8,6 @@ from labcal.detect.corners.printed_kernel import PrintLines
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import markers
 
-_EDGE, _OUTER, _INNER = 0, 1, 2
-"""Kinds of lines: of squares, of the outer edges of markers, and in markers."""
-
-
 @dataclass(frozen=True)
 class BoardPrint:
     """The print of a board.
@@ -20,12 +16,15 @@ class BoardPrint:
     ----------
     lines : PrintLines
     x_kinds, y_kinds : ndarray of int
-        0 for lines of squares, 1 for outer edges of markers, 2 for lines in these.
+        Number of each line among those of its marker, along x and then along y; -1 for lines of squares.
+    count : int
+        Of these numbers.
     """
 
     lines: PrintLines
     x_kinds: np.ndarray
     y_kinds: np.ndarray
+    count: int
 
 
 def board_print(board: CharucoBoard) -> BoardPrint:
@@ -53,6 +52,8 @@ def board_print(board: CharucoBoard) -> BoardPrint:
         # The first interval of a square is the white before its marker. Rows of cells run down.
         col, row = 2 + span * a, 2 + span * b
         cells[col : col + count, row : row + count] = np.where(black[::-1], -1.0, 1.0).T
-    kinds = np.array([_EDGE, _OUTER, *[_INNER] * (count - 1), _OUTER])
-    x_kinds, y_kinds = (np.append(np.tile(kinds, squares), _EDGE) for squares in board.squares)
-    return BoardPrint(PrintLines(x_lines, y_lines, cells), x_kinds, y_kinds)
+    kinds = [np.concatenate([[-1], axis * (count + 1) + np.arange(count + 1)]) for axis in (0, 1)]
+    x_kinds, y_kinds = (
+        np.append(np.tile(own, squares), -1) for own, squares in zip(kinds, board.squares, strict=True)
+    )
+    return BoardPrint(PrintLines(x_lines, y_lines, cells), x_kinds, y_kinds, 2 * (count + 1))

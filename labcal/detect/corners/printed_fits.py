@@ -45,7 +45,8 @@ def printed_corners(
     first = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
     if not spans_a_plane(np.array(list(first), dtype=np.int64).reshape(-1, 2)):
         return corners
-    fits, design, errors = first, board_print(board), PrintErrors.none()
+    fits, design = first, board_print(board)
+    errors = PrintErrors.none(design)
     rounds = _ROUNDS
     while rounds:
         print_ = errors.of(design).lines, errors.tone

@@ -16,7 +16,7 @@ _OWN, _TERMS = 6, 5
 _OF_STATE = np.array([0, 1, 4, 5, 6, 7])
 """Their places among the ten of a chessboard's corner."""
 _FIRST_BLUR, _LAST_BLUR = 2, 3
-_MOST_LINES = 64
+MOST_LINES = 64
 """Intervals between lines that the blur may reach at a place."""
 _STEEPEST = sqrt(2.0 / np.pi)
 """Change of a blurred step from -1 to 1 over a blur, at the step."""
@@ -62,7 +62,7 @@ def empty_rows(n: int) -> Rows:
 
 
 @compiled
-def _most_correlated(offset: np.ndarray, around: LocalMap) -> float:
+def most_correlated(offset: np.ndarray, around: LocalMap) -> float:
     """Return the largest correlation of the blurs along both axes, about, at the pixels (2, n) of a window."""
     M, h = around.linear, around.perspective
     x, y = np.abs(offset[0]).max(), np.abs(offset[1]).max()
@@ -77,6 +77,50 @@ def _most_correlated(offset: np.ndarray, around: LocalMap) -> float:
             qx, qy = M[1, 0] - plain[1] * h[0], M[1, 1] - plain[1] * h[1]
             most = max(most, abs(px * qx + py * qy) / (hypot(px, py) * hypot(qx, qy)))
     return most
+
+
+class SeenPlace(NamedTuple):
+    """A pixel's place on the print, with the slopes of the map there."""
+
+    first: Axis
+    second: Axis
+    slopes: tuple[float, float, float, float]
+    """Of both places by x and y, 1/px."""
+    moved: tuple[float, float]
+    """Of both places by the slope of the light, over the blurs in px."""
+
+
+@compiled
+def seen_place(state: np.ndarray, around: LocalMap, x: float, y: float) -> SeenPlace:
+    """Return the place that is seen at an offset from the corner, px."""
+    M, Q, h = around.linear, around.square, around.perspective
+    gx, gy = state[8], state[9]
+    away = 1.0 / (1.0 + h[0] * x + h[1] * y)
+    plain_x, plain_y = (M[0, 0] * x + M[0, 1] * y) * away, (M[1, 0] * x + M[1, 1] * y) * away
+    px = (M[0, 0] - plain_x * h[0]) * away + Q[0, 0] * x + Q[0, 1] * y
+    py = (M[0, 1] - plain_x * h[1]) * away + Q[0, 1] * x + Q[0, 2] * y
+    qx = (M[1, 0] - plain_y * h[0]) * away + Q[1, 0] * x + Q[1, 1] * y
+    qy = (M[1, 1] - plain_y * h[1]) * away + Q[1, 1] * x + Q[1, 2] * y
+    bent_x = 0.5 * Q[0, 0] * x * x + Q[0, 1] * x * y + 0.5 * Q[0, 2] * y * y
+    bent_y = 0.5 * Q[1, 0] * x * x + Q[1, 1] * x * y + 0.5 * Q[1, 2] * y * y
+    # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves all edges.
+    moved0, moved1 = state[4] * (px * gx + py * gy), state[5] * (qx * gx + qy * gy)
+    return SeenPlace(
+        Axis(around.at[0] + plain_x + bent_x + state[4] * moved0, state[4] * hypot(px, py)),
+        Axis(around.at[1] + plain_y + bent_y + state[5] * moved1, state[5] * hypot(qx, qy)),
+        (px, py, qx, qy),
+        (moved0, moved1),
+    )
+
+
+@compiled
+def blend_at(slopes: tuple[float, float, float, float]) -> tuple[float, float, float]:
+    """Return the shares of the blurs along a node's diagonal, with a sign for the second, and along the axes."""
+    px, py, qx, qy = slopes
+    correlation = (px * qx + py * qy) / (hypot(px, py) * hypot(qx, qy))
+    size = min(abs(correlation), MOST_OBLIQUE)
+    along = sqrt(size)
+    return along, along if correlation > 0.0 else -along, sqrt(1.0 - size)
 
 
 @compiled
@@ -103,29 +147,18 @@ def fill_printed(
     offset, value = pixels
     residual, jacobian, board, off_edges = rows
     mean, half, gx, gy, tone = state[6], state[7], state[8], state[9], state[10]
-    M, Q, h, terms = around.linear, around.square, around.perspective, np.empty(_TERMS)
-    across, down = np.empty((3, _MOST_LINES)), np.empty((3, _MOST_LINES))
-    nodes = quadrature(_most_correlated(offset, around))
+    h, terms = around.perspective, np.empty(_TERMS)
+    across, down = np.empty((4, MOST_LINES)), np.empty((4, MOST_LINES))
+    nodes = quadrature(most_correlated(offset, around))
     nearest_x = np.searchsorted(print_.x, around.at[0])
     nearest_y = np.searchsorted(print_.y, around.at[1])
     for k in range(len(value)):
         x, y = offset[0, k] - state[0], offset[1, k] - state[1]
+        seen = seen_place(state, around, x, y)
+        first, second, (px, py, qx, qy) = seen.first, seen.second, seen.slopes
         away = 1.0 / (1.0 + h[0] * x + h[1] * y)
-        plain_x, plain_y = (M[0, 0] * x + M[0, 1] * y) * away, (M[1, 0] * x + M[1, 1] * y) * away
-        px = (M[0, 0] - plain_x * h[0]) * away + Q[0, 0] * x + Q[0, 1] * y
-        py = (M[0, 1] - plain_x * h[1]) * away + Q[0, 1] * x + Q[0, 2] * y
-        qx = (M[1, 0] - plain_y * h[0]) * away + Q[1, 0] * x + Q[1, 1] * y
-        qy = (M[1, 1] - plain_y * h[1]) * away + Q[1, 1] * x + Q[1, 2] * y
         terms[0], terms[1] = x * away, y * away
         terms[2], terms[3], terms[4] = 0.5 * x * x, x * y, 0.5 * y * y
-        bent_x = Q[0, 0] * terms[2] + Q[0, 1] * terms[3] + Q[0, 2] * terms[4]
-        bent_y = Q[1, 0] * terms[2] + Q[1, 1] * terms[3] + Q[1, 2] * terms[4]
-        first_scale, second_scale = hypot(px, py), hypot(qx, qy)
-        blur0, blur1 = state[4] * first_scale, state[5] * second_scale
-        # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves all edges.
-        moved0, moved1 = state[4] * (px * gx + py * gy), state[5] * (qx * gx + qy * gy)
-        first = Axis(around.at[0] + plain_x + bent_x + state[4] * moved0, blur0)
-        second = Axis(around.at[1] + plain_y + bent_y + state[5] * moved1, blur1)
         near_x, near_y = near_lines(first, print_.x, nearest_x), near_lines(second, print_.y, nearest_y)
         many_x, many_y = near_x[1] - near_x[0], near_y[1] - near_y[0]
         X = by_x = by_y = by_blur0 = by_blur1 = 0.0
@@ -133,10 +166,7 @@ def fill_printed(
             X = print_.cells[near_x[0], near_y[0]]
         else:
             single = many_x == 0 or many_y == 0
-            correlation = (px * qx + py * qy) / (first_scale * second_scale)
-            size = min(abs(correlation), MOST_OBLIQUE)
-            along = sqrt(size)
-            left, sign = sqrt(1.0 - size), along if correlation > 0.0 else -along
+            along, sign, left = blend_at(seen.slopes)
             for node in range(1 if single else nodes.shape[1]):
                 share = 1.0 if single else nodes[1, node]
                 at = 0.0 if single else nodes[0, node]
@@ -162,8 +192,8 @@ def fill_printed(
         height = light * half * (1.0 - 2.0 * tone * X)
         jacobian[0, k] = -height * (by_x * px + by_y * qx)
         jacobian[1, k] = -height * (by_x * py + by_y * qy)
-        jacobian[2, k] = height * (by_blur0 * first_scale + 2.0 * moved0 * by_x)
-        jacobian[3, k] = height * (by_blur1 * second_scale + 2.0 * moved1 * by_y)
+        jacobian[2, k] = height * (by_blur0 * first.blur / state[4] + 2.0 * seen.moved[0] * by_x)
+        jacobian[3, k] = height * (by_blur1 * second.blur / state[5] + 2.0 * seen.moved[1] * by_y)
         jacobian[4, k] = light
         jacobian[5, k] = light * toned
         for term in range(_TERMS):
@@ -171,7 +201,7 @@ def fill_printed(
             jacobian[_OWN + _TERMS + term, k] = height * by_y * terms[term]
         residual[k] = value[k] - light * plain
         board[k] = X
-        steepest = max(abs(by_x) * blur0, abs(by_y) * blur1) / _STEEPEST
+        steepest = max(abs(by_x) * first.blur, abs(by_y) * second.blur) / _STEEPEST
         off_edges[k] = sqrt(-2.0 * log(min(max(steepest, _FLAT), 1.0)))
 
 

@@ -84,9 +84,9 @@ def near_lines(axis: Axis, lines: np.ndarray, around: int) -> tuple[int, int]:
 def write_profile(
     axis: Axis, near: tuple[int, int], lines: np.ndarray, blend: tuple[float, float], out: np.ndarray
 ) -> None:
-    """Write weights of the intervals between lines, and their derivatives by place and by blur, (3, m).
+    """Write weights of the intervals between lines, their derivatives by place and blur, and densities, (4, m).
 
-    Interval 0 lies before the first near line. `blend` holds the shift of a node, and the share of the blur
+    Interval 0 lies before the first near line, whose density is the first. `blend` holds the shift of a node, and the share of the blur
     that is left; the place moves with the shift, in blurs.
     """
     shift, left = blend
@@ -108,4 +108,5 @@ def write_profile(
         out[0, m] -= below
         out[1, m] -= by_place
         out[2, m] -= by_blur
+        out[3, m] = by_place
         out[0, m + 1], out[1, m + 1], out[2, m + 1] = below, by_place, by_blur
