@@ -34,14 +34,18 @@ class PrintErrors:
     values : ndarray, shape (p,)
         Displacement of the lines of markers, each the same in all markers, along x and then along y, squares;
         and c, the share of ``1 - X^2`` of the half step that is added to a pattern X.
+    covariance : ndarray, shape (p, p)
+        Of these; zero where the print is as it is designed.
     """
 
     values: np.ndarray
+    covariance: np.ndarray
 
     @classmethod
     def none(cls, design: BoardPrint) -> "PrintErrors":
         """Return those of a print as it is designed."""
-        return cls(np.zeros(design.count + 1))
+        size = design.count + 1
+        return cls(np.zeros(size), np.zeros((size, size)))
 
     @property
     def tone(self) -> float:
@@ -73,24 +77,50 @@ def print_errors(design: BoardPrint, before: PrintErrors, fits: Iterable[Printed
     size = len(before.values)
     information, gradient = np.zeros((size, size)), np.zeros(size)
     for fit in fits:
-        own, slope = _told(design, fit)
-        information += own
-        gradient += slope
+        told = _Told.of(design, fit)
+        information += told.information
+        gradient += told.gradient
     expected = np.array([_LINE**-2.0] * design.count + [_TONE**-2.0])
     information += np.diag(expected)
     found = before.values + np.linalg.solve(information, gradient - np.diag(expected) @ before.values)
     is_distinct = float(found @ information @ found) > chdtri(size, _CHANCE)
-    return PrintErrors(found) if is_distinct else before
+    return PrintErrors(found, np.linalg.inv(information)) if is_distinct else before
 
 
-def _told(design: BoardPrint, fit: PrintedCorner) -> tuple[np.ndarray, np.ndarray]:
-    """Return what a corner's pixels tell of the departures beyond its own parameters, and their gradient."""
-    pixels = np.ascontiguousarray(fit.window.offset), fit.window.value
-    rows, D = empty_rows(len(pixels[1])), np.empty((design.count + 1, len(pixels[1])))
-    fill_printed(fit.state, pixels, fit.around, fit.print_, rows)
-    place = fit.around, fit.print_
-    line_derivatives(fit.state, pixels[0], place, (design.x_kinds, design.y_kinds), D[:-1])
-    D[-1] = rows[1][4] * fit.state[7] * (1.0 - rows[2] ** 2)
-    J, noise = rows[1], max(fit.roughness * fit.step, _LEAST_NOISE)
-    free = D - (D @ J.T) @ np.linalg.solve(J @ J.T + fit.prior, J)
-    return free @ D.T / noise**2, free @ rows[0] / noise**2
+def with_print_errors(design: BoardPrint, errors: PrintErrors, fit: PrintedCorner) -> PrintedCorner:
+    """Return a fit that states what the uncertainty of the departures, with which it was made, adds."""
+    if not errors.covariance.any():
+        return fit
+    moved = _Told.of(design, fit).moved
+    return replace(fit, shared=moved @ errors.covariance @ moved.T)
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What a corner's pixels tell of the departures beyond its own parameters.
+
+    Attributes
+    ----------
+    information : ndarray, shape (p, p)
+    gradient : ndarray, shape (p,)
+    moved : ndarray, shape (2, p)
+        Change of the corner's place by the departures, px.
+    """
+
+    information: np.ndarray
+    gradient: np.ndarray
+    moved: np.ndarray
+
+    @classmethod
+    def of(cls, design: BoardPrint, fit: PrintedCorner) -> "_Told":
+        """Return it for the fit of a corner."""
+        pixels = np.ascontiguousarray(fit.window.offset), fit.window.value
+        rows, D = empty_rows(len(pixels[1])), np.empty((design.count + 1, len(pixels[1])))
+        fill_printed(fit.state, pixels, fit.around, fit.print_, rows)
+        place = fit.around, fit.print_
+        line_derivatives(fit.state, pixels[0], place, (design.x_kinds, design.y_kinds), D[:-1])
+        D[-1] = rows[1][4] * fit.state[7] * (1.0 - rows[2] ** 2)
+        J, noise = rows[1], max(fit.roughness * fit.step, _LEAST_NOISE)
+        common = np.linalg.solve(J @ J.T + fit.prior, J @ D.T)
+        free = D - common.T @ J
+        return cls(free @ D.T / noise**2, free @ rows[0] / noise**2, -common[:2])

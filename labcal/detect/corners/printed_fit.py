@@ -1,6 +1,6 @@
 """Fit of a corner of a ChArUco board by all of the print around it: edges of squares and cells of markers."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -35,11 +35,14 @@ class PrintedCorner(SettledCorner):
     print_ : PrintLines
     prior : ndarray, shape (FREE, FREE)
         Information on the fit's parameters from the corners around, over that of a pixel.
+    shared : ndarray, shape (2, 2)
+        Covariance of its place by what all corners of a board share, px squared.
     """
 
     around: LocalMap = None  # type: ignore[assignment]
     print_: PrintLines = None  # type: ignore[assignment]
     prior: np.ndarray = None  # type: ignore[assignment]
+    shared: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
 
     def judged(self, settings: CornerSettings) -> CornerFit | None:
         """Return the fit with its uncertainty; None where there are too few pixels for one."""
@@ -50,6 +53,7 @@ class PrintedCorner(SettledCorner):
         ok, covariance, sums, powers, reach = judged_rows(
             rows, away, self.window.mask, self.prior, settings.limits(JudgementLimits)
         )
+        covariance = covariance + self.shared
         return CornerFit(self.centre, covariance, self.roughness, sums, powers, reach) if ok else None
 
 

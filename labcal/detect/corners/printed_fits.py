@@ -11,7 +11,7 @@ from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.known_light import light_slopes
 from labcal.detect.corners.local_maps import local_maps
 from labcal.detect.corners.node_grid import NodeGrid, median_around
-from labcal.detect.corners.print_errors import PrintErrors, print_errors
+from labcal.detect.corners.print_errors import PrintErrors, print_errors, with_print_errors
 from labcal.detect.corners.printed_fit import PrintedCorner, fit_print
 from labcal.detect.corners.printed_kernel import LocalMap, PrintLines
 from labcal.detect.grey import GreyPicture
@@ -23,8 +23,8 @@ _LIGHT_NODES, _FEWEST = (1, 2, 4), 5
 """Nodes to either side whose white levels tell the slope of the light, and the fewest that do."""
 _ROUGH_NODES = 2
 """Nodes to either side whose residuals are the usual ones."""
-_ROUNDS = 2
-"""Fits; the map around a corner is that of the round before."""
+_ROUNDS, _MOST_ROUNDS = 2, 3
+"""Fits, at least, and with departures of the print; the map around a corner is that of the round before."""
 
 
 def printed_corners(
@@ -47,14 +47,13 @@ def printed_corners(
         return corners
     fits, design = first, board_print(board)
     errors = PrintErrors.none(design)
-    rounds = _ROUNDS
-    while rounds:
+    for number in range(_MOST_ROUNDS):
         print_ = errors.of(design).lines, errors.tone
         printed = _clear(_by_print(grey, print_, fits, settings), settings.clear_roughness_factor)
-        fits, rounds = first | printed, rounds - 1
+        fits = first | {node: with_print_errors(design, errors, fit) for node, fit in printed.items()}
         before, errors = errors, print_errors(design, errors, printed.values())
-        if rounds == 1 and errors is not before:
-            rounds += not before.values.any()  # a further round, once
+        if number + 1 >= _ROUNDS and errors is before:
+            break
     found = [fits.get(node) for node in nodes]
     seen_at = [
         place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
