@@ -36,6 +36,8 @@ class LocalMaps:
         Of ``x^2 / 2``, ``x y`` and ``y^2 / 2``, 1/px^2.
     perspective : ndarray, shape (n, 2)
         1/px.
+    cube : ndarray, shape (n, 2, 4)
+        Of third order, 1/px^3.
     information : ndarray, shape (n, 10, 10)
         On the coefficients, along x and then y: the inverse of their covariance.
     """
@@ -43,6 +45,7 @@ class LocalMaps:
     linear: np.ndarray
     square: np.ndarray
     perspective: np.ndarray
+    cube: np.ndarray
     information: np.ndarray
 
     @property
@@ -73,7 +76,7 @@ def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: f
     spread = grid.spread(
         np.concatenate([places, grid.nodes.astype(np.float64), (1.0 / sigma)[:, None]], axis=1)
     )
-    coefficients, information = np.full((count, 2, _KEPT), np.nan), np.zeros((count, 10, 10))
+    coefficients, information = np.full((count, 2, _TERMS), np.nan), np.zeros((count, 10, 10))
     near = around(spread, _REACH)[:, *grid.at].copy()
     near[len(near) // 2, :, 4] = 0.0  # its own noise must not return by its map
     told = (np.nan_to_num(near[..., 4]) > 0.0).sum(axis=0) >= _ENOUGH
@@ -82,7 +85,8 @@ def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: f
         coefficients[told], information[told] = _fitted(
             near[:, told], places[told], grid.nodes[told], perspective[told], (side, share)
         )
-    return LocalMaps(coefficients[..., 1:3], coefficients[..., 3:], perspective, information)
+    linear, square, cube = np.split(coefficients[..., 1:], [2, 5], axis=-1)
+    return LocalMaps(linear, square, perspective, cube, information)
 
 
 def _bend_share(
@@ -116,7 +120,7 @@ def _in_front(near: np.ndarray, places: np.ndarray, perspective: np.ndarray) -> 
 def _fitted(
     near: np.ndarray, places: np.ndarray, nodes: np.ndarray, perspective: np.ndarray, lens: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return coefficients (n, 2, 6) and information (n, 10, 10) from places, nodes and weights (k, n, 5)."""
+    """Return coefficients (n, 2, 10) and information (n, 10, 10) from places, nodes and weights (k, n, 5)."""
     side, share = lens
     weight = np.nan_to_num(near[..., 4]).T
     known = weight > 0.0
@@ -137,7 +141,7 @@ def _fitted(
     size = np.sqrt(np.einsum("nii->ni", normal))
     scaled = normal / (size[:, None] * size[..., None])
     inverse = np.linalg.inv(scaled) / (size[:, None] * size[..., None])
-    coefficients = np.einsum("nij,nja->nai", inverse, right)[..., :_KEPT]
+    coefficients = np.einsum("nij,nja->nai", inverse, right)
     # Errors in px are, along the board's axes, as the linear part has it.
     M = coefficients[..., 1:3]
     to_px = np.linalg.inv(M @ M.transpose(0, 2, 1))

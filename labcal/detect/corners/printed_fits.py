@@ -54,6 +54,7 @@ def printed_corners(
         before, errors = errors, print_errors(design, errors, printed.values())
         if number + 1 >= _ROUNDS and errors is before:
             break
+    fits = _as_printed(first, fits, settings.clear_roughness_factor)
     found = [fits.get(node) for node in nodes]
     seen_at = [
         place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
@@ -74,7 +75,8 @@ def _by_print(
     found = {}
     for k in np.flatnonzero(maps.known & np.isfinite(slopes[:, 0])).tolist():
         around = LocalMap(
-            np.array(nodes[k], dtype=np.float64), maps.linear[k], maps.square[k], maps.perspective[k]
+            np.array(nodes[k], dtype=np.float64),
+            *(part[k] for part in (maps.linear, maps.square, maps.perspective, maps.cube)),
         )
         first = fits[nodes[k]]
         state = np.concatenate([first.state[:8], slopes[k]])
@@ -90,6 +92,17 @@ def _sigma(fit: SettledCorner, settings: CornerSettings) -> float:
     """Return the error of a fit's place along either axis, px; infinite if unknown."""
     certain = fit.judged(settings) if isinstance(fit, PrintedCorner) else judge(fit, settings)
     return float("inf") if certain is None else float(np.sqrt(0.5 * np.trace(certain.covariance)))
+
+
+def _as_printed(
+    first: Mapping[Node, SettledCorner], fits: Mapping[Node, SettledCorner], factor: float
+) -> dict[Node, SettledCorner]:
+    """Return fits, or the first ones of squares alone where the markers are not as printed: worn, or covered."""
+    usual = float(np.median([fit.roughness for fit in first.values()]))
+    return {
+        node: fit if fit.roughness <= factor * max(usual, first[node].roughness) else first[node]
+        for node, fit in fits.items()
+    }
 
 
 def _clear(printed: Mapping[Node, PrintedCorner], factor: float) -> dict[Node, PrintedCorner]:

@@ -28,7 +28,8 @@ _SINGULAR = 1e-12
 class LocalMap(NamedTuple):
     """Map from offsets (px) from a corner to places on the print, in squares.
 
-    ``at + M r / (1 + h r) + (q0 x^2 / 2 + q1 x y + q2 y^2 / 2)`` along each axis.
+    ``at + M r / (1 + h r) + (q0 x^2 / 2 + q1 x y + q2 y^2 / 2)`` along each axis, and of third order
+    ``c0 x^3 / 6 + c1 x^2 y / 2 + c2 x y^2 / 2 + c3 y^3 / 6``.
     """
 
     at: np.ndarray
@@ -39,6 +40,8 @@ class LocalMap(NamedTuple):
     """(2, 3)."""
     perspective: np.ndarray
     """(2,), h; known."""
+    cube: np.ndarray
+    """(2, 4); known."""
 
 
 class PrintLines(NamedTuple):
@@ -103,6 +106,14 @@ def seen_place(state: np.ndarray, around: LocalMap, x: float, y: float) -> SeenP
     qy = (M[1, 1] - plain_y * h[1]) * away + Q[1, 1] * x + Q[1, 2] * y
     bent_x = 0.5 * Q[0, 0] * x * x + Q[0, 1] * x * y + 0.5 * Q[0, 2] * y * y
     bent_y = 0.5 * Q[1, 0] * x * x + Q[1, 1] * x * y + 0.5 * Q[1, 2] * y * y
+    c = around.cube
+    by_x, by_xy, by_y = 0.5 * x * x, x * y, 0.5 * y * y
+    px += c[0, 0] * by_x + c[0, 1] * by_xy + c[0, 2] * by_y
+    py += c[0, 1] * by_x + c[0, 2] * by_xy + c[0, 3] * by_y
+    qx += c[1, 0] * by_x + c[1, 1] * by_xy + c[1, 2] * by_y
+    qy += c[1, 1] * by_x + c[1, 2] * by_xy + c[1, 3] * by_y
+    bent_x += (c[0, 0] * x + 3.0 * c[0, 1] * y) * by_x / 3.0 + (3.0 * c[0, 2] * x + c[0, 3] * y) * by_y / 3.0
+    bent_y += (c[1, 0] * x + 3.0 * c[1, 1] * y) * by_x / 3.0 + (3.0 * c[1, 2] * x + c[1, 3] * y) * by_y / 3.0
     # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves all edges.
     moved0, moved1 = state[4] * (px * gx + py * gy), state[5] * (qx * gx + qy * gy)
     return SeenPlace(
