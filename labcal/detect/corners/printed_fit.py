@@ -21,6 +21,8 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
 
 _NO_GAP = np.full(2, 1e6)
+_MODEL_ERROR_PX = 0.0015
+"""Error of the corners of drawn pictures without noise, along either axis: what the model leaves."""
 _LEAST_NOISE = 0.1
 """Of a pixel, grey values: in drawings there is none, but a rounding."""
 
@@ -53,7 +55,7 @@ class PrintedCorner(SettledCorner):
         ok, covariance, sums, powers, reach = judged_rows(
             rows, away, self.window.mask, self.prior, settings.limits(JudgementLimits)
         )
-        covariance = covariance + self.shared
+        covariance = covariance + self.shared + _MODEL_ERROR_PX**2 * np.eye(2)
         return CornerFit(self.centre, covariance, self.roughness, sums, powers, reach) if ok else None
 
 

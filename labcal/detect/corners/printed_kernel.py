@@ -116,9 +116,15 @@ def seen_place(state: np.ndarray, around: LocalMap, x: float, y: float) -> SeenP
     bent_y += (c[1, 0] * x + 3.0 * c[1, 1] * y) * by_x / 3.0 + (3.0 * c[1, 2] * x + c[1, 3] * y) * by_y / 3.0
     # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves all edges.
     moved0, moved1 = state[4] * (px * gx + py * gy), state[5] * (qx * gx + qy * gy)
+    first2, second2 = px * px + py * py, qx * qx + qy * qy
+    # Half the second derivative along the normal, over the squared slope.
+    across_x = 0.5 * (Q[0, 0] * px * px + Q[0, 2] * py * py) + Q[0, 1] * px * py
+    across_y = 0.5 * (Q[1, 0] * qx * qx + Q[1, 2] * qy * qy) + Q[1, 1] * qx * qy
+    first_bend = (across_x / first2 - away * (h[0] * px + h[1] * py)) / first2
+    second_bend = (across_y / second2 - away * (h[0] * qx + h[1] * qy)) / second2
     return SeenPlace(
-        Axis(around.at[0] + plain_x + bent_x + state[4] * moved0, state[4] * hypot(px, py)),
-        Axis(around.at[1] + plain_y + bent_y + state[5] * moved1, state[5] * hypot(qx, qy)),
+        Axis(around.at[0] + plain_x + bent_x + state[4] * moved0, state[4] * sqrt(first2), first_bend),
+        Axis(around.at[1] + plain_y + bent_y + state[5] * moved1, state[5] * sqrt(second2), second_bend),
         (px, py, qx, qy),
         (moved0, moved1),
     )

@@ -32,6 +32,8 @@ class Axis(NamedTuple):
 
     place: float
     blur: float
+    bend: float
+    """Change of the distance in the picture over that on the print, from the place to a line, 1/square."""
 
 
 @compiled
@@ -94,7 +96,9 @@ def write_profile(
     scale = 1.0 / (axis.blur * left)
     out[0, 0], out[1, 0], out[2, 0] = 1.0, 0.0, 0.0
     for k in range(first, last):
-        away = (axis.place - lines[k]) * scale
+        # A line is straight in the picture: the distance from it, in pixels, is what a blur acts on.
+        along = axis.place - lines[k]
+        away = along * (1.0 + axis.bend * along) * scale
         z = away + shift / left
         at = (z + _FAR) * _STEPS + 1.0
         below, density = 1.0 if z > 0.0 else 0.0, 0.0
@@ -104,7 +108,8 @@ def write_profile(
             below = _BELOW[entry] + part * (_BELOW[entry + 1] - _BELOW[entry])
             density = _DENSITY[entry] + part * (_DENSITY[entry + 1] - _DENSITY[entry])
         m = k - first
-        by_place, by_blur = density * scale, -density * away / axis.blur
+        by_place = density * scale * (1.0 + 2.0 * axis.bend * along)
+        by_blur = -density * away / axis.blur
         out[0, m] -= below
         out[1, m] -= by_place
         out[2, m] -= by_blur
