@@ -8,6 +8,7 @@ from labcal.detect.corners.printed_kernel import PrintLines
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import markers
 
+
 @dataclass(frozen=True)
 class BoardPrint:
     """The print of a board.

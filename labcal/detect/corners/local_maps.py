@@ -118,7 +118,11 @@ def _in_front(near: np.ndarray, places: np.ndarray, perspective: np.ndarray) -> 
 
 
 def _fitted(
-    near: np.ndarray, places: np.ndarray, nodes: np.ndarray, perspective: np.ndarray, lens: tuple[float, float]
+    near: np.ndarray,
+    places: np.ndarray,
+    nodes: np.ndarray,
+    perspective: np.ndarray,
+    lens: tuple[float, float],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return coefficients (n, 2, 10) and information (n, 10, 10) from places, nodes and weights (k, n, 5)."""
     side, share = lens

@@ -63,7 +63,10 @@ def printed_corners(
 
 
 def _by_print(
-    grey: GreyPicture, print_: tuple[PrintLines, float], fits: Mapping[Node, SettledCorner], settings: CornerSettings
+    grey: GreyPicture,
+    print_: tuple[PrintLines, float],
+    fits: Mapping[Node, SettledCorner],
+    settings: CornerSettings,
 ) -> dict[Node, PrintedCorner]:
     """Return the fits by the print that converge, with the maps and the light that given fits tell."""
     nodes = list(fits)
@@ -112,7 +115,5 @@ def _clear(printed: Mapping[Node, PrintedCorner], factor: float) -> dict[Node, P
     grid, roughness = NodeGrid.of(list(printed)), np.array([fit.roughness for fit in printed.values()])
     usual = median_around(grid.spread(roughness), _ROUGH_NODES)[grid.at]
     return {
-        node: fit
-        for (node, fit), ok in zip(printed.items(), roughness <= factor * usual, strict=True)
-        if ok
+        node: fit for (node, fit), ok in zip(printed.items(), roughness <= factor * usual, strict=True) if ok
     }

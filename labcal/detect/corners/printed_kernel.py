@@ -300,8 +300,16 @@ def print_pixels(
             away = 1.0 + h[0] * x + h[1] * y
             if away <= 0.0:
                 continue
-            a = (M[0, 0] * x + M[0, 1] * y) / away + 0.5 * (Q[0, 0] * x * x + Q[0, 2] * y * y) + Q[0, 1] * x * y
-            b = (M[1, 0] * x + M[1, 1] * y) / away + 0.5 * (Q[1, 0] * x * x + Q[1, 2] * y * y) + Q[1, 1] * x * y
+            a = (
+                (M[0, 0] * x + M[0, 1] * y) / away
+                + 0.5 * (Q[0, 0] * x * x + Q[0, 2] * y * y)
+                + Q[0, 1] * x * y
+            )
+            b = (
+                (M[1, 0] * x + M[1, 1] * y) / away
+                + 0.5 * (Q[1, 0] * x * x + Q[1, 2] * y * y)
+                + Q[1, 1] * x * y
+            )
             if max(abs(a), abs(b)) >= share or hypot(x, y) >= reach:
                 continue
             mask[j, i] = True
