@@ -45,7 +45,7 @@ def picture_corners(
     covariance = [
         missing
         if fit is None or settled is None
-        else factor * fit.covariance + hard_edge_covariance(settled, settings.corner.min_blur_px)
+        else factor * fit.covariance + _added(settled, settings.corner)
         for fit, settled in zip(fits, corners.fits, strict=True)
     ]
     dots = PictureDots(
@@ -88,6 +88,12 @@ def refused_as_few(dots: PictureDots, placed: DotIndices, detail: str) -> Pictur
     whole = np.array([flag is not DotFlag.CUT for flag in dots.flag], dtype=bool)
     torn = spans_a_plane(placed) and spans_a_plane(dots.index[whole])
     return dots.refused(Refusal.TORN_CORNERS if torn else Refusal.TOO_FEW_DOTS, detail)
+
+
+def _added(fit: SettledCorner, settings: CornerSettings) -> np.ndarray:
+    """Return the covariance of a fit's place that is not from noise, px squared, shape (2, 2)."""
+    hard = hard_edge_covariance(fit, settings.min_blur_px)
+    return hard + fit.added if isinstance(fit, PrintedCorner) else hard
 
 
 def _judged(fit: SettledCorner, settings: CornerSettings) -> CornerFit | None:

@@ -49,7 +49,7 @@ class PrintErrors:
 
     @property
     def tone(self) -> float:
-        """c."""
+        """C."""
         return float(self.values[-1])
 
     def of(self, design: BoardPrint) -> BoardPrint:
@@ -62,7 +62,7 @@ class PrintErrors:
 
 
 def print_errors(design: BoardPrint, before: PrintErrors, fits: Iterable[PrintedCorner]) -> PrintErrors:
-    """Return the departures by least squares with the parameters of all fits; as before where chance explains.
+    """Return the departures by least squares with all fits' parameters; as before where chance explains.
 
     Parameters
     ----------

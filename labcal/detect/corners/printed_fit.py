@@ -14,9 +14,9 @@ from labcal.detect.corners.printed_kernel import (
     PrintLines,
     empty_rows,
     fill_printed,
-    print_pixels,
     settled_print,
 )
+from labcal.detect.corners.printed_window import print_pixels
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.corner import CornerSettings
 
@@ -46,6 +46,11 @@ class PrintedCorner(SettledCorner):
     prior: np.ndarray = None  # type: ignore[assignment]
     shared: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
 
+    @property
+    def added(self) -> np.ndarray:
+        """Covariance of its place that is not from its own pixels' noise, px squared, shape (2, 2)."""
+        return np.asarray(self.shared + _MODEL_ERROR_PX**2 * np.eye(2))
+
     def judged(self, settings: CornerSettings) -> CornerFit | None:
         """Return the fit with its uncertainty; None where there are too few pixels for one."""
         pixels = np.ascontiguousarray(self.window.offset), self.window.value
@@ -55,7 +60,6 @@ class PrintedCorner(SettledCorner):
         ok, covariance, sums, powers, reach = judged_rows(
             rows, away, self.window.mask, self.prior, settings.limits(JudgementLimits)
         )
-        covariance = covariance + self.shared + _MODEL_ERROR_PX**2 * np.eye(2)
         return CornerFit(self.centre, covariance, self.roughness, sums, powers, reach) if ok else None
 
 

@@ -100,7 +100,7 @@ def _sigma(fit: SettledCorner, settings: CornerSettings) -> float:
 def _as_printed(
     first: Mapping[Node, SettledCorner], fits: Mapping[Node, SettledCorner], factor: float
 ) -> dict[Node, SettledCorner]:
-    """Return fits, or the first ones of squares alone where the markers are not as printed: worn, or covered."""
+    """Return fits, or first ones, of squares alone, where markers are not as printed: worn, or covered."""
     usual = float(np.median([fit.roughness for fit in first.values()]))
     return {
         node: fit if fit.roughness <= factor * max(usual, first[node].roughness) else first[node]

@@ -12,7 +12,7 @@ from labcal.detect.corners.printed_profile import MOST_OBLIQUE, Axis, near_lines
 
 FREE = 16
 """Free parameters: corner 2, blurs 2, mean, half step, and the coefficients of both axes' map, 5 each."""
-_OWN, _TERMS = 6, 5
+_OWN, _TERMS, _LINEAR = 6, 5, 2
 _OF_STATE = np.array([0, 1, 4, 5, 6, 7])
 """Their places among the ten of a chessboard's corner."""
 _FIRST_BLUR, _LAST_BLUR = 2, 3
@@ -66,7 +66,7 @@ def empty_rows(n: int) -> Rows:
 
 @compiled
 def most_correlated(offset: np.ndarray, around: LocalMap) -> float:
-    """Return the largest correlation of the blurs along both axes, about, at the pixels (2, n) of a window."""
+    """Return the largest correlation of the blurs along both axes, about, at pixels (2, n) of a window."""
     M, h = around.linear, around.perspective
     x, y = np.abs(offset[0]).max(), np.abs(offset[1]).max()
     most = 0.0
@@ -112,8 +112,8 @@ def seen_place(state: np.ndarray, around: LocalMap, x: float, y: float) -> SeenP
     py += c[0, 1] * by_x + c[0, 2] * by_xy + c[0, 3] * by_y
     qx += c[1, 0] * by_x + c[1, 1] * by_xy + c[1, 2] * by_y
     qy += c[1, 1] * by_x + c[1, 2] * by_xy + c[1, 3] * by_y
-    bent_x += (c[0, 0] * x + 3.0 * c[0, 1] * y) * by_x / 3.0 + (3.0 * c[0, 2] * x + c[0, 3] * y) * by_y / 3.0
-    bent_y += (c[1, 0] * x + 3.0 * c[1, 1] * y) * by_x / 3.0 + (3.0 * c[1, 2] * x + c[1, 3] * y) * by_y / 3.0
+    bent_x += ((c[0, 0] * x + 3.0 * c[0, 1] * y) * by_x + (3.0 * c[0, 2] * x + c[0, 3] * y) * by_y) / 3.0
+    bent_y += ((c[1, 0] * x + 3.0 * c[1, 1] * y) * by_x + (3.0 * c[1, 2] * x + c[1, 3] * y) * by_y) / 3.0
     # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves all edges.
     moved0, moved1 = state[4] * (px * gx + py * gy), state[5] * (qx * gx + qy * gy)
     first2, second2 = px * px + py * py, qx * qx + qy * qy
@@ -132,7 +132,7 @@ def seen_place(state: np.ndarray, around: LocalMap, x: float, y: float) -> SeenP
 
 @compiled
 def blend_at(slopes: tuple[float, float, float, float]) -> tuple[float, float, float]:
-    """Return the shares of the blurs along a node's diagonal, with a sign for the second, and along the axes."""
+    """Return shares of the blurs along a node's diagonal, with a sign for the second, and along the axes."""
     px, py, qx, qy = slopes
     correlation = (px * qx + py * qy) / (hypot(px, py) * hypot(qx, qy))
     size = min(abs(correlation), MOST_OBLIQUE)
@@ -141,7 +141,7 @@ def blend_at(slopes: tuple[float, float, float, float]) -> tuple[float, float, f
 
 
 @compiled
-def fill_printed(
+def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
     state: np.ndarray,
     pixels: tuple[np.ndarray, np.ndarray],
     around: LocalMap,
@@ -263,56 +263,11 @@ def settled_print(
         for i in range(_OWN, FREE):
             moved[i] += change[i] / far
             axis, term = (i - _OWN) // _TERMS, (i - _OWN) % _TERMS
-            if term < 2:
+            if term < _LINEAR:
                 around.linear[axis, term] += change[i] / far
             else:
-                around.square[axis, term - 2] += change[i] / far
+                around.square[axis, term - _LINEAR] += change[i] / far
         if max(abs(change[0]), abs(change[1])) < tolerance:
             squares = (residual * residual).sum() - (change * gradient).sum()
             return sqrt(max(squares, 0.0) / n)
     return -1.0
-
-
-@compiled
-def print_pixels(
-    grey: np.ndarray, centre: np.ndarray, around: LocalMap, limits: tuple[float, float]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the mask, offsets and values of pixels that are nearer to a corner than to the next ones.
-
-    `limits` are the reach along either axis, in squares, and the most distance, px.
-    """
-    share, reach = limits
-    M, Q, h = around.linear, around.square, around.perspective
-    det = abs(M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0])
-    # By half more than the parallelogram of the linear part, since the map is none.
-    across = min(reach, 1.5 * share * (abs(M[1, 1]) + abs(M[0, 1])) / det)
-    down = min(reach, 1.5 * share * (abs(M[0, 0]) + abs(M[1, 0])) / det)
-    left, top = max(int(np.ceil(centre[0] - across)), 0), max(int(np.ceil(centre[1] - down)), 0)
-    right = min(int(np.floor(centre[0] + across)), grey.shape[1] - 1)
-    bottom = min(int(np.floor(centre[1] + down)), grey.shape[0] - 1)
-    wide, high = max(right - left + 1, 0), max(bottom - top + 1, 0)
-    mask = np.zeros((high, wide), dtype=np.bool_)
-    offset, value = np.empty((2, high * wide)), np.empty(high * wide)
-    n = 0
-    for j in range(high):
-        for i in range(wide):
-            x, y = left + i - centre[0], top + j - centre[1]
-            away = 1.0 + h[0] * x + h[1] * y
-            if away <= 0.0:
-                continue
-            a = (
-                (M[0, 0] * x + M[0, 1] * y) / away
-                + 0.5 * (Q[0, 0] * x * x + Q[0, 2] * y * y)
-                + Q[0, 1] * x * y
-            )
-            b = (
-                (M[1, 0] * x + M[1, 1] * y) / away
-                + 0.5 * (Q[1, 0] * x * x + Q[1, 2] * y * y)
-                + Q[1, 1] * x * y
-            )
-            if max(abs(a), abs(b)) >= share or hypot(x, y) >= reach:
-                continue
-            mask[j, i] = True
-            offset[0, n], offset[1, n], value[n] = x, y, grey[top + j, left + i]
-            n += 1
-    return mask, offset[:, :n].copy(), value[:n].copy()

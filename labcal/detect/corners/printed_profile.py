@@ -24,7 +24,7 @@ _RIGHT = 1e-3
 _UP_TO_3, _UP_TO_5, _UP_TO_8 = 0.15, 0.3, 0.5
 """Correlations up to which so many nodes of Gauss and Hermite leave errors below 1e-3 of half a step."""
 _NODE_STEP, _LAST_NODE = 1.3, 3.8
-"""Of the trapezoid rule beyond, which converges faster there: step over the blur that is left, and its end."""
+"""Of the trapezoid rule beyond, which converges faster: step over the blur that is left, and its end."""
 
 
 class Axis(NamedTuple):
@@ -86,9 +86,10 @@ def near_lines(axis: Axis, lines: np.ndarray, around: int) -> tuple[int, int]:
 def write_profile(
     axis: Axis, near: tuple[int, int], lines: np.ndarray, blend: tuple[float, float], out: np.ndarray
 ) -> None:
-    """Write weights of the intervals between lines, their derivatives by place and blur, and densities, (4, m).
+    """Write weights of the intervals between lines, derivatives by place and blur, densities, (4, m).
 
-    Interval 0 lies before the first near line, whose density is the first. `blend` holds the shift of a node, and the share of the blur
+    Interval 0 lies before the first near line, whose density is the first. `blend` holds the shift of a
+    node, and the share of the blur
     that is left; the place moves with the shift, in blurs.
     """
     shift, left = blend
