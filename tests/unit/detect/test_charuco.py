@@ -368,4 +368,4 @@ def test_maps_around_corners_follow_a_lens_and_perspective() -> None:
         cube = np.array([x**3 / 6.0, 0.5 * x * x * y, 0.5 * x * y * y, y**3 / 6.0])
         step = maps.linear[k] @ r / (1.0 + maps.perspective[k] @ r)
         step = step + maps.square[k] @ square + maps.cube[k] @ cube
-        assert np.abs(step - [0.3, -0.3]).max() < 0.002, node
+        assert np.abs(step - [0.3, -0.3]).max() < 0.004, node  # at the rim they are extrapolated
