@@ -50,7 +50,7 @@ class LocalMaps:
 
     @property
     def known(self) -> np.ndarray:
-        """Which corners have a map, shape (n,)."""
+        """Mask of the corners that have a map, shape (n,)."""
         return np.asarray(np.isfinite(self.linear[:, 0, 0]))
 
 
@@ -79,11 +79,11 @@ def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: f
     coefficients, information = np.full((count, 2, _TERMS), np.nan), np.zeros((count, 10, 10))
     near = around(spread, _REACH)[:, *grid.at].copy()
     near[len(near) // 2, :, 4] = 0.0  # its own noise must not return by its map
-    told = (np.nan_to_num(near[..., 4]) > 0.0).sum(axis=0) >= _ENOUGH
-    told &= _in_front(near, places, perspective)
-    if told.any():
-        coefficients[told], information[told] = _fitted(
-            near[:, told], places[told], grid.nodes[told], perspective[told], (side, share)
+    enough = (np.nan_to_num(near[..., 4]) > 0.0).sum(axis=0) >= _ENOUGH
+    enough &= _in_front(near, places, perspective)
+    if enough.any():
+        coefficients[enough], information[enough] = _fitted(
+            near[:, enough], places[enough], grid.nodes[enough], perspective[enough], (side, share)
         )
     linear, square, cube = np.split(coefficients[..., 1:], [2, 5], axis=-1)
     return LocalMaps(linear, square, perspective, cube, information)

@@ -77,9 +77,9 @@ def print_errors(design: BoardPrint, before: PrintErrors, fits: Iterable[Printed
     size = len(before.values)
     information, gradient = np.zeros((size, size)), np.zeros(size)
     for fit in fits:
-        told = _Told.of(design, fit)
-        information += told.information
-        gradient += told.gradient
+        evidence = _Evidence.of(design, fit)
+        information += evidence.information
+        gradient += evidence.gradient
     expected = np.array([_LINE**-2.0] * design.count + [_TONE**-2.0])
     information += np.diag(expected)
     found = before.values + np.linalg.solve(information, gradient - np.diag(expected) @ before.values)
@@ -91,13 +91,13 @@ def with_print_errors(design: BoardPrint, errors: PrintErrors, fit: PrintedCorne
     """Return a fit that states what the uncertainty of the departures, with which it was made, adds."""
     if not errors.covariance.any():
         return fit
-    moved = _Told.of(design, fit).moved
+    moved = _Evidence.of(design, fit).moved
     return replace(fit, shared=moved @ errors.covariance @ moved.T)
 
 
 @dataclass(frozen=True)
-class _Told:
-    """What a corner's pixels tell of the departures beyond its own parameters.
+class _Evidence:
+    """Evidence of the departures in a corner's pixels, beyond its own parameters.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class _Told:
     moved: np.ndarray
 
     @classmethod
-    def of(cls, design: BoardPrint, fit: PrintedCorner) -> "_Told":
+    def of(cls, design: BoardPrint, fit: PrintedCorner) -> "_Evidence":
         """Return it for the fit of a corner."""
         pixels = np.ascontiguousarray(fit.window.offset), fit.window.value
         rows, D = empty_rows(len(pixels[1])), np.empty((design.count + 1, len(pixels[1])))

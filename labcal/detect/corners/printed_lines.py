@@ -44,8 +44,8 @@ def line_derivatives(
     rows, columns = np.empty(MOST_LINES), np.empty(MOST_LINES)
     for k in range(offset.shape[1]):
         seen = seen_place(state, around, offset[0, k] - state[0], offset[1, k] - state[1])
-        near_x = near_lines(seen.first, print_.x, np.searchsorted(print_.x, seen.first.place))
-        near_y = near_lines(seen.second, print_.y, np.searchsorted(print_.y, seen.second.place))
+        near_x = near_lines(seen.first, print_.x, int(np.searchsorted(print_.x, seen.first.place)))
+        near_y = near_lines(seen.second, print_.y, int(np.searchsorted(print_.y, seen.second.place)))
         many_x, many_y = near_x[1] - near_x[0], near_y[1] - near_y[0]
         if many_x == 0 and many_y == 0:
             continue
