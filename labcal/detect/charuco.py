@@ -7,6 +7,7 @@ from labcal.detect.corners.corners import Corners, measured_corners
 from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
 from labcal.detect.corners.markers_elsewhere import why_not_in_place
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_torn, square_px
+from labcal.detect.corners.printed_fits import printed_corners
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
@@ -64,6 +65,7 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
         if len(found.index) == 0:
             return picture_corners(Corners.none(), grey, None, settings).refused(refusal, detail)
     corners = measured_corners(grey, board, found, settings)
+    corners = printed_corners(grey, board, corners, settings.corner)
     kept = [
         fit is not None or (int(i), int(j)) not in further
         for fit, (i, j) in zip(corners.fits, corners.index, strict=True)

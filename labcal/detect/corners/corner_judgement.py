@@ -71,45 +71,77 @@ def judged(
     limits : JudgementLimits
     """
     n = len(pixels[1])
-    table = np.zeros((ROWS, filled_up(n)))
-    residual, board, off_edges = table[RESIDUAL], np.empty(n), np.empty(n)
-    fill_jacobian(state, pixels, (residual, table[:PARAMETERS], board, off_edges))
+    table, board, off_edges = np.zeros((ROWS, filled_up(n))), np.empty(n), np.empty(n)
+    fill_jacobian(state, pixels, (table[RESIDUAL], table[:PARAMETERS], board, off_edges))
     table[free:RESIDUAL] = 0.0
+    away = pixels[0] - state[:2].copy().reshape(2, 1)
+    return judged_rows((table, board, off_edges), away, mask, np.zeros((free, free)), limits)
+
+
+@compiled
+def judged_rows(
+    rows: tuple[np.ndarray, np.ndarray, np.ndarray],
+    away: np.ndarray,
+    mask: np.ndarray,
+    prior: np.ndarray,
+    limits: JudgementLimits,
+) -> tuple[bool, np.ndarray, np.ndarray, np.ndarray, float]:
+    """Return the same as :func:`judged` of what a fit has linearised.
+
+    Parameters
+    ----------
+    rows : (ndarray, ndarray, ndarray)
+        Derivatives, those by the place first, and residuals, as of
+        :func:`labcal.detect.corners.edge_waves.wave_powers`; the pattern, and distances from edges in blurs,
+        both of shape (n,).
+    away : ndarray, shape (2, n)
+        Of the pixels from the corner, px.
+    mask : ndarray of bool, shape (h, w)
+    prior : ndarray, shape (p, p)
+        Information on the p free parameters from elsewhere, over that of a pixel.
+    limits : JudgementLimits
+    """
+    table, board, off_edges = rows
+    n, free, size = len(board), len(prior), len(table)
+    residual = table[size - 2]
     covariance, powers = np.zeros((2, 2)), np.zeros((1, 2))
     sums = np.zeros((LAGS, SUMS))
     noise, levels = _without_tone(residual[:n], board, limits.tone_levels)
     freedom = n - PARAMETERS - levels
-    plain, fits = np.zeros((ROWS, ROWS)), np.zeros((ROWS, ROWS))
+    plain, fits = np.zeros((size, size)), np.zeros((size, size))
     add_own_products(table, table.shape[1], plain)
     factor = plain.copy()
+    factor[:free, :free] += prior
     if freedom < PARAMETERS or not factorise(factor, free, _SINGULAR):
         return False, covariance, sums, powers, 0.0
     variance = _variance(noise, board, limits.min_variance_share) * (n / freedom)
     weighted = np.zeros(table.shape)
-    for p in range(ROWS):
+    for p in range(size):
         row, out = table[p], weighted[p]
         for k in range(n):
             out[k] = row[k] * variance[k]
     add_products(table, weighted, (0, table.shape[1]), fits)
-    _write_covariance(factor, fits, free, covariance)
+    _write_covariance(factor, fits, prior * variance.mean(), covariance)
     # Variance of Student's distribution: that of the noise is estimated from the corner's own pixels.
     covariance *= freedom / (freedom - 2.0)
     distance = np.empty(n)
     for k in range(n):
-        dx, dy = pixels[0][0, k] - state[0], pixels[0][1, k] - state[1]
-        distance[k] = sqrt(dx * dx + dy * dy)
+        distance[k] = sqrt(away[0, k] * away[0, k] + away[1, k] * away[1, k])
     powers = wave_powers((table, weighted), (plain, factor, fits), free, distance, variance)
     _add_products(table, off_edges, mask, limits.flat_blurs, sums)
     return True, covariance, sums, powers, distance.max()
 
 
 @compiled
-def _write_covariance(factor: np.ndarray, fits: np.ndarray, free: int, covariance: np.ndarray) -> None:
-    """Write the covariance of the corner's place, ``M J v J' M'``.
+def _write_covariance(
+    factor: np.ndarray, fits: np.ndarray, prior: np.ndarray, covariance: np.ndarray
+) -> None:
+    """Write the covariance of the corner's place, ``M (J v J' + P) M'``.
 
     M holds the first two rows of the inverse normal matrix, `fits` is ``J v J'`` for derivatives J and the
-    pixels' variances v.
+    pixels' variances v, and P is the information of `prior` at the mean of these.
     """
+    free = len(prior)
     inverse = np.zeros((2, free))
     for axis in range(2):
         inverse[axis, axis] = 1.0
@@ -118,7 +150,7 @@ def _write_covariance(factor: np.ndarray, fits: np.ndarray, free: int, covarianc
         for j in range(2):
             for p in range(free):
                 for q in range(free):
-                    covariance[i, j] += inverse[i, p] * inverse[j, q] * fits[p, q]
+                    covariance[i, j] += inverse[i, p] * inverse[j, q] * (fits[p, q] + prior[p, q])
 
 
 @compiled
@@ -170,7 +202,7 @@ def _add_products(
     values = np.zeros((n + 1, 4))
     for k in range(n):
         flat = 1.0 if off_edges[k] > flat_blurs else 0.0
-        values[k, 0], values[k, 1] = flat, flat * table[RESIDUAL, k]
+        values[k, 0], values[k, 1] = flat, flat * table[len(table) - 2, k]
         values[k, 2], values[k, 3] = table[0, k], table[1, k]
     for lag in range(LAGS):
         down = lag // (2 * REACH + 1)

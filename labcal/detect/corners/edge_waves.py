@@ -14,7 +14,7 @@ WAVES = 6
 _TESTS = 2 * WAVES
 """Waves along both axes."""
 ROWS, RESIDUAL = 12, 10
-"""Of a table of derivatives and residuals: whole tiles of products."""
+"""Of a chessboard's table of derivatives and residuals: whole tiles of products, residuals last but one."""
 _TAYLOR = tuple((-1.0) ** k / factorial(2 * k + 1) for k in range(9))
 """Of the sine, over its argument, by powers of the argument squared."""
 
@@ -36,13 +36,14 @@ def wave_powers(
 
     Parameters
     ----------
-    tables : (ndarray, ndarray), shape (ROWS, w)
-        At the converged fit: derivatives by the free parameters, then, in row :data:`RESIDUAL`, residuals; 0
-        in all other rows, and in all columns beyond the n pixels. w is n filled up to whole tiles. And the
-        same times the variances.
-    products : (ndarray, ndarray, ndarray), shape (ROWS, ROWS)
+    tables : (ndarray, ndarray), shape (r, w)
+        At the converged fit: derivatives by the free parameters, and in the last row but one residuals; 0
+        in all other rows, and in all columns beyond the n pixels. r is even, w is n filled up to whole tiles.
+        And the same times the variances.
+    products : (ndarray, ndarray, ndarray), shape (r, r)
         Of the first table's rows with one another, its lower triangle; the Cholesky factor of the normal
-        matrix, which is a part of it; and of the first table's rows with those of the second one.
+        matrix, which is a part of it with what is known from elsewhere added; and of the first table's rows
+        with those of the second one.
     free : int
         Number of free parameters.
     distance : ndarray, shape (n,)
@@ -56,7 +57,8 @@ def wave_powers(
         Means over both axes; for weights whose noise has the power 1 where a fit takes none of it.
     """
     (table, weighted), (plain, root, fits) = tables, products
-    n, width = len(distance), table.shape[1]
+    n, (size, width) = len(distance), table.shape
+    residual = size - 2
     gain = np.zeros((2, width))
     for axis in range(2):
         weight = np.zeros(free)
@@ -78,16 +80,16 @@ def wave_powers(
     sizes = _weighted_squares(waves, variance)
     # Of a wave t less what the fit takes, t - J' w, the squares times the variances v are
     # t v t - 2 w (J v t) + w (J v J') w.
-    taken, noise = np.zeros((_TESTS, ROWS)), np.zeros((_TESTS, ROWS))
+    taken, noise = np.zeros((_TESTS, size)), np.zeros((_TESTS, size))
     add_products(waves, table, (0, width), taken)
     add_products(waves, weighted, (0, width), noise)
     powers, weight = np.zeros((WAVES, 2)), np.empty(free)
     for test in range(_TESTS):
         weight[:] = taken[test, :free]
         solve(root, weight)
-        seen, expected = taken[test, RESIDUAL], sizes[test]
+        seen, expected = taken[test, residual], sizes[test]
         for p in range(free):
-            seen -= weight[p] * plain[RESIDUAL, p]
+            seen -= weight[p] * plain[residual, p]
             expected -= 2.0 * weight[p] * noise[test, p]
             for q in range(free):
                 expected += weight[p] * weight[q] * fits[p, q]

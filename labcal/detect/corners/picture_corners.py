@@ -1,13 +1,16 @@
 """Corners of a board as the detection of a picture: places, covariances and flags."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from labcal.arrays import DotIndices, Pixels
-from labcal.detect.corners.corner_fit import is_cut, judge_all
+from labcal.detect.corners.corner_fit import SettledCorner, is_cut, judge_all
 from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.edge_waves import wavelengths
 from labcal.detect.corners.hard_edges import hard_edge_covariance
+from labcal.detect.corners.printed_fit import PrintedCorner
 from labcal.detect.dots import PictureDots
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.outline_noise import beside_flat_parts, smooth_wave_ratio
@@ -39,13 +42,13 @@ def picture_corners(
     """
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     n = len(corners.fits)
-    fits = judge_all(corners.fits, settings.corner)
+    fits = _judged(corners.fits, settings.corner)
     factor = _factor([fit for fit in fits if fit is not None], settings.edge)
     missing = np.full((2, 2), np.nan)
     covariance = [
         missing
         if fit is None or settled is None
-        else factor * fit.covariance + hard_edge_covariance(settled, settings.corner.min_blur_px)
+        else factor * fit.covariance + _added(settled, settings.corner)
         for fit, settled in zip(fits, corners.fits, strict=True)
     ]
     dots = PictureDots(
@@ -124,6 +127,21 @@ def refused_as_few(dots: PictureDots, placed: DotIndices, detail: str) -> Pictur
     whole = np.array([flag is not DotFlag.CUT for flag in dots.flag], dtype=bool)
     torn = spans_a_plane(placed) and spans_a_plane(dots.index[whole])
     return dots.refused(Refusal.TORN_CORNERS if torn else Refusal.TOO_FEW_DOTS, detail)
+
+
+def _added(fit: SettledCorner, settings: CornerSettings) -> np.ndarray:
+    """Return the covariance of a fit's place that is not from noise, px squared, shape (2, 2)."""
+    hard = hard_edge_covariance(fit, settings.min_blur_px)
+    return hard + fit.added if isinstance(fit, PrintedCorner) else hard
+
+
+def _judged(fits: Sequence[SettledCorner | None], settings: CornerSettings) -> list[CornerFit | None]:
+    """Return fits of either kind with their uncertainties; None for none."""
+    plain = judge_all([None if isinstance(fit, PrintedCorner) else fit for fit in fits], settings)
+    return [
+        fit.judged(settings) if isinstance(fit, PrintedCorner) else one
+        for fit, one in zip(fits, plain, strict=True)
+    ]
 
 
 def _factor(fits: list[CornerFit], settings: EdgeSettings) -> float:

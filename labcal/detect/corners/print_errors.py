@@ -1,0 +1,126 @@
+"""Departures of a print from its design that all corners of a board share: markers off, and tone."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import chdtri
+
+from labcal.detect.corners.board_print import BoardPrint
+from labcal.detect.corners.printed_fit import PrintedCorner
+from labcal.detect.corners.printed_kernel import empty_rows, fill_printed
+from labcal.detect.corners.printed_lines import line_derivatives
+
+_MOST = 24
+"""Corners that tell the departures, spread over those that are measured."""
+_LINE, _TONE = 0.01, 0.2
+"""Expected departures: of lines, squares; of tone, shares of the half step."""
+_LEAST_NOISE = 0.1
+"""Of a pixel, grey values."""
+_CHANCE = 1e-3
+"""Probability that a print that is as designed, in light alone, is taken for another one."""
+
+
+@dataclass(frozen=True)
+class PrintErrors:
+    """Departures of a print from its design.
+
+    Programs that draw markers round their cells to pixels, and put them off beside the squares; a tone curve
+    and ink that spreads move edges into the black or out of it. Beside a marker, whose pattern is not the
+    same on opposite sides of a corner, this moves corners.
+
+    Attributes
+    ----------
+    values : ndarray, shape (p,)
+        Displacement of the lines of markers, each the same in all markers, along x and then along y, squares;
+        and c, the share of ``1 - X^2`` of the half step that is added to a pattern X.
+    covariance : ndarray, shape (p, p)
+        Of these; zero where the print is as it is designed.
+    """
+
+    values: np.ndarray
+    covariance: np.ndarray
+
+    @classmethod
+    def none(cls, design: BoardPrint) -> "PrintErrors":
+        """Return those of a print as it is designed."""
+        size = design.count + 1
+        return cls(np.zeros(size), np.zeros((size, size)))
+
+    @property
+    def tone(self) -> float:
+        """C."""
+        return float(self.values[-1])
+
+    def of(self, design: BoardPrint) -> BoardPrint:
+        """Return the print with its lines where they are."""
+        x, y = (
+            lines + np.where(kinds >= 0, self.values[kinds], 0.0)
+            for lines, kinds in ((design.lines.x, design.x_kinds), (design.lines.y, design.y_kinds))
+        )
+        return replace(design, lines=design.lines._replace(x=x, y=y))
+
+
+def print_errors(design: BoardPrint, before: PrintErrors, fits: Iterable[PrintedCorner]) -> PrintErrors:
+    """Return the departures by least squares with all fits' parameters; as before where chance explains.
+
+    Parameters
+    ----------
+    design : BoardPrint
+        As it should be.
+    before : PrintErrors
+        With which the corners were fitted.
+    fits : iterable of PrintedCorner
+    """
+    fits = list(fits)
+    fits = [fits[k] for k in np.unique(np.linspace(0, len(fits) - 1, _MOST).astype(int))] if fits else []
+    size = len(before.values)
+    information, gradient = np.zeros((size, size)), np.zeros(size)
+    for fit in fits:
+        evidence = _Evidence.of(design, fit)
+        information += evidence.information
+        gradient += evidence.gradient
+    expected = np.array([_LINE**-2.0] * design.count + [_TONE**-2.0])
+    information += np.diag(expected)
+    found = before.values + np.linalg.solve(information, gradient - np.diag(expected) @ before.values)
+    is_distinct = float(found @ information @ found) > chdtri(size, _CHANCE)
+    return PrintErrors(found, np.linalg.inv(information)) if is_distinct else before
+
+
+def with_print_errors(design: BoardPrint, errors: PrintErrors, fit: PrintedCorner) -> PrintedCorner:
+    """Return a fit that states what the uncertainty of the departures, with which it was made, adds."""
+    if not errors.covariance.any():
+        return fit
+    moved = _Evidence.of(design, fit).moved
+    return replace(fit, shared=moved @ errors.covariance @ moved.T)
+
+
+@dataclass(frozen=True)
+class _Evidence:
+    """Evidence of the departures in a corner's pixels, beyond its own parameters.
+
+    Attributes
+    ----------
+    information : ndarray, shape (p, p)
+    gradient : ndarray, shape (p,)
+    moved : ndarray, shape (2, p)
+        Change of the corner's place by the departures, px.
+    """
+
+    information: np.ndarray
+    gradient: np.ndarray
+    moved: np.ndarray
+
+    @classmethod
+    def of(cls, design: BoardPrint, fit: PrintedCorner) -> "_Evidence":
+        """Return it for the fit of a corner."""
+        pixels = np.ascontiguousarray(fit.window.offset), fit.window.value
+        rows, D = empty_rows(len(pixels[1])), np.empty((design.count + 1, len(pixels[1])))
+        fill_printed(fit.state, pixels, fit.around, fit.print_, rows)
+        place = fit.around, fit.print_
+        line_derivatives(fit.state, pixels[0], place, (design.x_kinds, design.y_kinds), D[:-1])
+        D[-1] = rows[1][4] * fit.state[7] * (1.0 - rows[2] ** 2)
+        J, noise = rows[1], max(fit.roughness * fit.step, _LEAST_NOISE)
+        common = np.linalg.solve(J @ J.T + fit.prior, J @ D.T)
+        free = D - common.T @ J
+        return cls(free @ D.T / noise**2, free @ rows[0] / noise**2, -common[:2])

@@ -1,0 +1,120 @@
+"""Fit of a corner of a ChArUco board by all of the print around it: edges of squares and cells of markers."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from labcal.detect.corners.corner_fit import SettledCorner
+from labcal.detect.corners.corner_judgement import CornerFit, JudgementLimits, judged_rows
+from labcal.detect.corners.corner_kernel import PARAMETERS, FitLimits
+from labcal.detect.corners.corner_model import CornerPixels
+from labcal.detect.corners.printed_kernel import (
+    FREE,
+    LocalMap,
+    PrintLines,
+    fill_printed,
+    settled_print,
+)
+from labcal.detect.corners.printed_window import print_pixels
+from labcal.detect.grey import GreyPicture
+from labcal.detect.row_products import filled_up
+from labcal.detect.stage_settings.corner import CornerSettings
+
+_NO_GAP = np.full(2, 1e6)
+_MODEL_ERROR_PX = 0.0015
+"""Error of the corners of drawn pictures without noise, along either axis: what the model leaves."""
+_LEAST_NOISE = 0.1
+"""Of a pixel, grey values: in drawings there is none, but a rounding."""
+
+
+@dataclass(frozen=True)
+class PrintedCorner(SettledCorner):
+    """A fit of a corner by all of the print around it.
+
+    Attributes
+    ----------
+    around : LocalMap
+    print_ : PrintLines
+    prior : ndarray, shape (FREE, FREE)
+        Information on the fit's parameters from the corners around, over that of a pixel.
+    shared : ndarray, shape (2, 2)
+        Covariance of its place by what all corners of a board share, px squared.
+    """
+
+    around: LocalMap = None  # type: ignore[assignment]
+    print_: PrintLines = None  # type: ignore[assignment]
+    prior: np.ndarray = None  # type: ignore[assignment]
+    shared: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
+
+    @property
+    def added(self) -> np.ndarray:
+        """Covariance of its place that is not from its own pixels' noise, px squared, shape (2, 2)."""
+        return np.asarray(self.shared + _MODEL_ERROR_PX**2 * np.eye(2))
+
+    def judged(self, settings: CornerSettings) -> CornerFit | None:
+        """Return the fit with its uncertainty; None where there are too few pixels for one."""
+        pixels = np.ascontiguousarray(self.window.offset), self.window.value
+        n = len(pixels[1])
+        table, board, off_edges = np.zeros((FREE + 2, filled_up(n))), np.empty(n), np.empty(n)
+        rows = table[FREE], table[:FREE], board, off_edges
+        fill_printed(self.state, pixels, self.around, self.print_, rows)
+        away = pixels[0] - self.state[:2, None]
+        ok, covariance, sums, powers, reach = judged_rows(
+            (table, board, off_edges), away, self.window.mask, self.prior, settings.limits(JudgementLimits)
+        )
+        return CornerFit(self.centre, covariance, self.roughness, sums, powers, reach) if ok else None
+
+
+def fit_print(
+    grey: GreyPicture,
+    first: SettledCorner,
+    place: tuple[LocalMap, np.ndarray],
+    print_: tuple[PrintLines, float],
+    settings: CornerSettings,
+) -> PrintedCorner | None:
+    """Fit ``(1 + g d) (m + h X)`` to all pixels nearer to a corner than to the next ones, by Gauss-Newton.
+
+    ``X`` is the print between -1 (black) and 1, blurred by a Gaussian with a deviation across either edge, as
+    the map from the corners around shows it. Free are the corner, both deviations, `m` and `h`, and the map,
+    as far as the corners around leave it so; the slope `g` of the light is known.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+        The picture.
+    first : SettledCorner
+        A fit that is near, with the slope of the light.
+    place : (LocalMap, ndarray)
+        The map, and the information on it (10, 10).
+    print_ : (PrintLines, float)
+        And the share of ``1 - X^2`` that a tone curve adds to the pattern X.
+    settings : CornerSettings
+
+    Returns
+    -------
+    PrintedCorner or None
+        None where the fit leaves the first one by more than either may be off.
+    """
+    around, (lines, tone) = LocalMap(*(part.copy() for part in place[0])), print_
+    centre, M = np.ascontiguousarray(first.centre), around.linear
+    mask, offset, value = print_pixels(
+        grey, centre, around, (settings.wide_reach_squares, settings.max_reach_px)
+    )
+    if len(value) < settings.min_pixels:
+        return None
+    state = np.concatenate([np.zeros(2), np.arctan2(M[:, 1], M[:, 0]), first.state[4:PARAMETERS], [tone]])
+    prior = np.zeros((FREE, FREE))
+    noise = max(first.roughness * first.step, _LEAST_NOISE)
+    prior[-len(place[1]) :, -len(place[1]) :] = noise**2 * place[1]
+    rms = settled_print(
+        state, (offset, value), (around, lines, prior), settings.tolerance_px, settings.limits(FitLimits)
+    )
+    if rms < 0.0 or state[7] <= 0.0:
+        return None
+    blur = float(first.state[4:6].max())
+    if float(np.hypot(*state[:2])) > settings.max_refit_blurs * blur:
+        return None
+    window = CornerPixels(mask, offset, value, _NO_GAP)
+    return PrintedCorner(
+        state, window, centre, rms / (2.0 * float(state[7])), FREE, around=around, print_=lines, prior=prior
+    )

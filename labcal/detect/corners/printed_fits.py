@@ -1,0 +1,119 @@
+"""Second fit of the corners of a ChArUco board: by all of the print between them."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from labcal.detect.corners.board_print import board_print
+from labcal.detect.corners.corner_fit import SettledCorner, judge
+from labcal.detect.corners.corners import Corners, spans_a_plane
+from labcal.detect.corners.known_light import light_slopes
+from labcal.detect.corners.local_maps import local_maps
+from labcal.detect.corners.node_grid import NodeGrid, median_around
+from labcal.detect.corners.print_errors import PrintErrors, print_errors, with_print_errors
+from labcal.detect.corners.printed_fit import PrintedCorner, fit_print
+from labcal.detect.corners.printed_kernel import LocalMap, PrintLines
+from labcal.detect.grey import GreyPicture
+from labcal.detect.lattice.lattice import Node
+from labcal.detect.stage_settings.corner import CornerSettings
+from labcal.targets.charuco import CharucoBoard
+
+_LIGHT_NODES, _FEWEST = (1, 2, 4), 5
+"""Nodes to either side whose white levels tell the slope of the light, and the fewest that do."""
+_ROUGH_NODES = 2
+"""Nodes to either side whose residuals are the usual ones."""
+_ROUNDS, _MOST_ROUNDS = 2, 3
+"""Fits, at least, and with departures of the print; the map around a corner is that of the round before."""
+
+
+def printed_corners(
+    grey: GreyPicture, board: CharucoBoard, corners: Corners, settings: CornerSettings
+) -> Corners:
+    """Return corners with their fits by all of the print around each.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+        The picture.
+    board : CharucoBoard
+    corners : Corners
+        As of :func:`labcal.detect.corners.corners.measured_corners`.
+    settings : CornerSettings
+    """
+    nodes = [(int(i), int(j)) for i, j in corners.index]
+    first = {node: fit for node, fit in zip(nodes, corners.fits, strict=True) if fit is not None}
+    if not spans_a_plane(np.array(list(first), dtype=np.int64).reshape(-1, 2)):
+        return corners
+    fits, design = first, board_print(board)
+    errors = PrintErrors.none(design)
+    for number in range(_MOST_ROUNDS):
+        print_ = errors.of(design).lines, errors.tone
+        printed = _clear(_by_print(grey, print_, fits, settings), settings.clear_roughness_factor)
+        fits = first | {node: with_print_errors(design, errors, fit) for node, fit in printed.items()}
+        before, errors = errors, print_errors(design, errors, printed.values())
+        if number + 1 >= _ROUNDS and errors is before:
+            break
+    fits = _as_printed(first, fits, settings.clear_roughness_factor)
+    found = [fits.get(node) for node in nodes]
+    seen_at = [
+        place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
+    ]
+    return Corners(corners.index, np.array(seen_at), found)
+
+
+def _by_print(
+    grey: GreyPicture,
+    print_: tuple[PrintLines, float],
+    fits: Mapping[Node, SettledCorner],
+    settings: CornerSettings,
+) -> dict[Node, PrintedCorner]:
+    """Return the fits by the print that converge, with the maps and the light that given fits tell."""
+    nodes = list(fits)
+    places = np.array([fit.centre for fit in fits.values()])
+    sigma = np.array([_sigma(fit, settings) for fit in fits.values()])
+    grid, maps = NodeGrid.of(nodes), local_maps(nodes, places, sigma, float(max(grey.shape)))
+    white = np.array([fit.state[6] + fit.state[7] for fit in fits.values()])
+    slopes = light_slopes(grid, places, np.where(white > 0.0, white, np.nan), (_LIGHT_NODES, _FEWEST))
+    found = {}
+    for k in np.flatnonzero(maps.known & np.isfinite(slopes[:, 0])).tolist():
+        around = LocalMap(
+            np.array(nodes[k], dtype=np.float64),
+            *(part[k] for part in (maps.linear, maps.square, maps.perspective, maps.cube)),
+        )
+        first = fits[nodes[k]]
+        state = np.concatenate([first.state[:8], slopes[k]])
+        printed = fit_print(
+            grey, replace(first, state=state), (around, maps.information[k]), print_, settings
+        )
+        if printed is not None:
+            found[nodes[k]] = printed
+    return found
+
+
+def _sigma(fit: SettledCorner, settings: CornerSettings) -> float:
+    """Return the error of a fit's place along either axis, px; infinite if unknown."""
+    certain = fit.judged(settings) if isinstance(fit, PrintedCorner) else judge(fit, settings)
+    return float("inf") if certain is None else float(np.sqrt(0.5 * np.trace(certain.covariance)))
+
+
+def _as_printed(
+    first: Mapping[Node, SettledCorner], fits: Mapping[Node, SettledCorner], factor: float
+) -> dict[Node, SettledCorner]:
+    """Return fits, or first ones, of squares alone, where markers are not as printed: worn, or covered."""
+    usual = float(np.median([fit.roughness for fit in first.values()]))
+    return {
+        node: fit if fit.roughness <= factor * max(usual, first[node].roughness) else first[node]
+        for node, fit in fits.items()
+    }
+
+
+def _clear(printed: Mapping[Node, PrintedCorner], factor: float) -> dict[Node, PrintedCorner]:
+    """Return the fits that are not much rougher than those around: nothing hides the print of these."""
+    if not printed:
+        return {}
+    grid, roughness = NodeGrid.of(list(printed)), np.array([fit.roughness for fit in printed.values()])
+    usual = median_around(grid.spread(roughness), _ROUGH_NODES)[grid.at]
+    return {
+        node: fit for (node, fit), ok in zip(printed.items(), roughness <= factor * usual, strict=True) if ok
+    }
