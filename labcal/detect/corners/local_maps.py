@@ -69,7 +69,8 @@ def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: f
         Of the picture, px.
     """
     grid, count = NodeGrid.of(nodes), len(nodes)
-    to_picture = projective_map("corners", grid.nodes.astype(np.float64), places)
+    counted = np.isfinite(sigma) if np.isfinite(sigma).sum() > _ENOUGH else np.ones(count, dtype=bool)
+    to_picture = projective_map("corners", grid.nodes[counted].astype(np.float64), places[counted])
     share = _bend_share(to_picture, grid.nodes, places, (sigma, side))
     H = np.linalg.inv(to_picture)
     perspective = H[2, :2] / (places @ H[2, :2] + H[2, 2])[:, None]

@@ -23,6 +23,8 @@ _LIGHT_NODES, _FEWEST = (1, 2, 4), 5
 """Nodes to either side whose white levels tell the slope of the light, and the fewest that do."""
 _ROUGH_NODES = 2
 """Nodes to either side whose residuals are the usual ones."""
+_ROUGHEST, _ROUGHEST_SHARE = 1.6, 0.002
+"""Residuals, in usual ones and besides in the step, above which a corner tells nothing of those around it."""
 _ROUNDS, _MOST_ROUNDS = 2, 3
 """Fits, at least, and with departures of the print; the map around a corner is that of the round before."""
 
@@ -72,6 +74,10 @@ def _by_print(
     nodes = list(fits)
     places = np.array([fit.centre for fit in fits.values()])
     sigma = np.array([_sigma(fit, settings) for fit in fits.values()])
+    roughness = np.array([fit.roughness for fit in fits.values()])
+    clear = roughness <= _ROUGHEST * float(np.median(roughness)) + _ROUGHEST_SHARE
+    if spans_a_plane(np.array(nodes, dtype=np.int64)[clear]):
+        sigma[~clear] = np.inf  # covered in part: such a corner may be off by a pixel
     grid, maps = NodeGrid.of(nodes), local_maps(nodes, places, sigma, float(max(grey.shape)))
     white = np.array([fit.state[6] + fit.state[7] for fit in fits.values()])
     slopes = light_slopes(grid, places, np.where(white > 0.0, white, np.nan), (_LIGHT_NODES, _FEWEST))
