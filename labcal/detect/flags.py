@@ -151,7 +151,7 @@ _ADVICE = {
         "show the code of the print beside the part; or use a board with marks, or a ChArUco board."
     ),
     Refusal.CORNER_SQUARES: (
-        "Set `corner_squares` in the target as the print is, and check that it is the target's: prints of "
+        "Set `corner_squares:` in the target as the print is, and check that it is the target's: prints of "
         "Kalibr's have small black squares at the corners of their tags."
     ),
     Refusal.OTHER_CHESSBOARD: (

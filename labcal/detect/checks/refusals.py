@@ -10,8 +10,9 @@ from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.quality import QualitySettings
 from labcal.geometry.two_by_two import eigenvalues
 
-_PALE = 0.6
-"""Level of what is not burnt out, of the largest one, above which ink is too light."""
+_PALE = 0.6, 0.3
+"""Levels of the middle and of the darkest tenth of what is not burnt out, of the largest one, above which ink
+is too light."""
 _UNREAD = (
     Refusal.NO_MARKERS,
     Refusal.MARKERS_UNREADABLE,
@@ -56,7 +57,7 @@ def in_this_light(dots: PictureDots, image: AnyPicture, settings: DetectSettings
     _, high = clipping(grey, settings.edge.clipped_value_share)
     below = grey[grey < high]
     some = 0 < below.size < (1.0 - settings.quality.max_clipped_picture_share) * grey.size
-    if some and np.median(below) > _PALE * high:
+    if some and (np.quantile(below, (0.5, 0.1)) > np.multiply(_PALE, high)).all():
         return dots.refused(Refusal.SATURATED, dots.detail)
     return dots
 

@@ -55,16 +55,13 @@ def detect_coded_sheet(grey: GreyPicture, sheet: CodedDots, settings: DetectSett
         where they lie on no smooth surface.
     """
     marks = find_coded_dots(grey, sheet.code, settings)
-    number = np.array([int(name.rpartition("-")[2]) if name else -1 for name in marks.point], dtype=np.int64)
-    named = np.array([flag in _FLAGS for flag in marks.flag], dtype=bool)
-    place = number - sheet.first_mark
-    held = (place >= 0) & (place < sheet.count)
-    dots = _dots(marks, np.where(named & held, place, -1), sheet)
-    numbers = sorted(set(number[named & (number >= 0)].tolist()))
+    number = _numbers(marks)
+    dots = _dots(marks, _places(number, sheet), sheet)
+    numbers = sorted(set(number[number >= 0].tolist()))
     own = sheet.first_mark, sheet.first_mark + sheet.count - 1
     detail = ids_read("Mark", numbers, str(sheet.code), own) if numbers else ""
     if not dots.has_id.any():
-        return dots.refused(Refusal.OTHER_IDS if numbers else Refusal.NO_CODED_DOTS, detail)
+        return dots.refused(*_why_none(grey, sheet, settings, detail))
     found = np.flatnonzero(dots.has_id & np.isfinite(dots.outline).all(axis=(1, 2)))
     compared = agreement(
         dots.index[found] * (2.0 * sheet.pitch_mm / sheet.dot_diameter_mm),
@@ -87,6 +84,34 @@ def detect_coded_sheet(grey: GreyPicture, sheet: CodedDots, settings: DetectSett
     if _is_smooth(dots, settings):
         return dots
     return dots.refused(Refusal.OTHER_BOARD if foreign else Refusal.GRID_INCONSISTENT, detail)
+
+
+def _numbers(marks: PictureMarks) -> np.ndarray:
+    """Return the numbers of marks, shape (n,); -1 where one has none that counts."""
+    return np.array(
+        [
+            int(name.rpartition("-")[2]) if name and flag in _FLAGS else -1
+            for name, flag in zip(marks.point, marks.flag, strict=True)
+        ],
+        dtype=np.int64,
+    )
+
+
+def _places(number: np.ndarray, sheet: CodedDots) -> np.ndarray:
+    """Return the places of marks on a sheet, by their numbers; -1 for those that it does not have."""
+    place = number - sheet.first_mark
+    return np.where((number >= 0) & (place >= 0) & (place < sheet.count), place, -1)
+
+
+def _why_none(
+    grey: GreyPicture, sheet: CodedDots, settings: DetectSettings, detail: str
+) -> tuple[Refusal, str]:
+    """Return why no mark of a sheet is read: seen in a mirror, marks of another sheet, or none at all."""
+    turned = find_coded_dots(np.ascontiguousarray(grey[:, ::-1]), sheet.code, settings)
+    read = int((_places(_numbers(turned), sheet) >= 0).sum())
+    if read >= _FEWEST:
+        return Refusal.MIRRORED, f"In a mirror {counted(read, 'coded dot')} of {sheet.count} can be read."
+    return (Refusal.OTHER_IDS if detail else Refusal.NO_CODED_DOTS), detail
 
 
 def _is_smooth(dots: PictureDots, settings: DetectSettings) -> bool:

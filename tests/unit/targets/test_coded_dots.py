@@ -64,9 +64,9 @@ def test_a_mirrored_print_and_that_of_another_code_have_no_numbers(tmp_path: Pat
     board = sheet()
     paper, _ = printed(board, tmp_path)
     soft = cv2.GaussianBlur(paper, (0, 0), 0.8)
-    assert detect_dots(np.ascontiguousarray(soft[:, ::-1]), board).refusal is Refusal.NO_CODED_DOTS
+    assert detect_dots(np.ascontiguousarray(soft[:, ::-1]), board).refusal is Refusal.MIRRORED
     assert detect_dots(soft, sheet(code="ring-31")).refusal is Refusal.NO_CODED_DOTS
-    assert detect_dots(soft, sheet(first_mark=0)).refusal is Refusal.NO_CODED_DOTS
+    assert detect_dots(soft, sheet(first_mark=0)).refusal is Refusal.OTHER_IDS
 
 
 def test_the_shipped_sheet_is_one() -> None:
