@@ -26,9 +26,9 @@ from labcal.detect.edges.residuals import (
     ResidualLimits,
 )
 from labcal.detect.grey import GreyPicture, clipping
+from labcal.detect.matrices import inverses, matrix_roots
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.edge import EdgeSettings
-from labcal.geometry.two_by_two import inverses, matrix_roots
 
 _DEFAULTS = EdgeSettings()
 

@@ -12,11 +12,11 @@ from labcal.detect.flags import DotFlag
 from labcal.detect.lattice.dot_shapes import deviating_shapes
 from labcal.detect.lattice.numbering import AnyNumbering
 from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.matrices import eigenvalues
 from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.quality import QualitySettings
-from labcal.geometry.two_by_two import eigenvalues
 from labcal.targets.grid import DotGrid
 
 

@@ -8,9 +8,9 @@ from jaxtyping import Float64
 from labcal.arrays import PixelCovariances, Pixels
 from labcal.detect.edges.edge_model import PARAMETERS, STATE, TINY
 from labcal.detect.edges.residuals import COVARIANCE, SLOPE_DIFFERENCE, SLOPE_DIFFERENCE_COVARIANCE
+from labcal.detect.matrices import inverses
 from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.edge import EdgeSettings
-from labcal.geometry.two_by_two import inverses
 
 _MEDIAN_SQUARE = 0.4549
 """The median of chi-square's distribution with one degree of freedom."""

@@ -1,6 +1,7 @@
 """Spots that form a grid: small crosses as seeds, grown node by node and checked against their neighbours."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,6 +23,16 @@ class Lattice:
     spots: dict[Node, int]
     undistortion: RoughUndistortion = NONE
     """The map under which the grid's lines are straight."""
+
+    @cached_property
+    def nodes(self) -> np.ndarray:
+        """The nodes, shape (n, 2)."""
+        return np.array(list(self.spots), dtype=np.int64).reshape(-1, 2)
+
+    @cached_property
+    def numbers(self) -> np.ndarray:
+        """The numbers of the spots, shape (n,)."""
+        return np.array(list(self.spots.values()), dtype=np.int64)
 
     def __len__(self) -> int:
         """Return the number of nodes that hold a spot."""
@@ -46,8 +57,7 @@ def find_lattices(
     for i in order[:: max(1, len(order) // settings.max_seeds)]:
         if not free[i] or len(lattices) == settings.max_lattices:
             continue
-        near = np.flatnonzero(np.abs(np.log(radius / radius[i])) < settings.seed_radius_log)
-        seed = seed_at(int(i), outlines, target, near[near != i], settings)
+        seed = seed_at(int(i), outlines, target, radius, settings)
         if seed is not None and seed.misfit < settings.good_seed_steps:
             lattices += _grown(seed, outlines, free, target, settings)
         elif seed is not None:

@@ -7,10 +7,10 @@ import numpy as np
 
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice.lattice import Lattice, Node
+from labcal.detect.matrices import geometric_means, inverses, matrix_roots
 from labcal.detect.medians import median_of
-from labcal.detect.outlines.outlines import Outlines, geometric_mean
+from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.grid import GridSettings
-from labcal.geometry.two_by_two import inverses, matrix_roots
 from labcal.targets.grid import DotGrid, Rings
 
 _SIGMA = 1.4826  # standard deviations over the median of absolute deviations
@@ -141,7 +141,7 @@ def pitches_agree(
         if not pairs:
             return False
         here, there = np.array(pairs).T
-        between = geometric_mean(flatten[here], flatten[there])
+        between = geometric_means(flatten[here], flatten[there])
         flat = np.einsum("nij,nj->ni", between, outlines.centre[there] - outlines.centre[here])
         lengths.append(np.linalg.norm(flat, axis=1))
     ratio = np.log(median_of(lengths[0]) / median_of(lengths[1]))
