@@ -74,10 +74,11 @@ def geometric_means(A: np.ndarray, B: np.ndarray) -> np.ndarray:
 
 @compiled
 def mapped(maps: np.ndarray, shapes: np.ndarray) -> np.ndarray:
-    """Return ``A S A'`` of maps A (n, 2, 2) and of shapes S, (n, 2, 2) or (1, 2, 2) if all are one."""
-    found, half = np.empty((len(maps), 2, 2)), np.empty((2, 2))
-    for k in range(len(maps)):
-        A, S = maps[k], shapes[k if len(shapes) > 1 else 0]
+    """Return ``A S A'`` of maps A and shapes S, (n, 2, 2) or, of one of them, (1, 2, 2) if all are one."""
+    count = len(maps) if len(shapes) == 1 else len(shapes)
+    found, half = np.empty((count, 2, 2)), np.empty((2, 2))
+    for k in range(count):
+        A, S = maps[k if len(maps) > 1 else 0], shapes[k if len(shapes) > 1 else 0]
         for i in range(2):
             for j in range(2):
                 half[i, j] = A[i, 0] * S[0, j] + A[i, 1] * S[1, j]

@@ -5,6 +5,7 @@ from math import sqrt
 import numpy as np
 
 from labcal.detect.compiled import compiled
+from labcal.detect.matrices import geometric_means, inverses, matrix_roots
 
 _NEAR = 2
 """Nodes to either side whose spots are a node's neighbours."""
@@ -98,4 +99,33 @@ def distance_to_nearest(places: np.ndarray, taken: np.ndarray) -> np.ndarray:
         for j in range(len(taken)):
             least = min(least, (taken[j, 0] - places[k, 0]) ** 2 + (taken[j, 1] - places[k, 1]) ** 2)
         found[k] = sqrt(least)
+    return found
+
+
+@compiled
+def step_lengths(
+    nodes: np.ndarray, spots: np.ndarray, centre: np.ndarray, shape: np.ndarray, step: tuple[int, int]
+) -> np.ndarray:
+    """Return the lengths of a lattice's steps of one kind, by its nodes' order, in units of the ellipses.
+
+    A step is measured by the geometric mean of the flattening maps at its ends.
+    """
+    low_a, low_b = nodes[:, 0].min(), nodes[:, 1].min()
+    rows, columns = nodes[:, 0].max() - low_a + 1, nodes[:, 1].max() - low_b + 1
+    grid = np.full((rows, columns), -1)
+    for k in range(len(nodes)):
+        grid[nodes[k, 0] - low_a, nodes[k, 1] - low_b] = spots[k]
+    flatten = inverses(matrix_roots(shape))
+    here, there, count = np.empty(len(nodes), dtype=np.int64), np.empty(len(nodes), dtype=np.int64), 0
+    for k in range(len(nodes)):
+        a, b = nodes[k, 0] - low_a + step[0], nodes[k, 1] - low_b + step[1]
+        if a < rows and b < columns and grid[a, b] >= 0:
+            here[count], there[count] = spots[k], grid[a, b]
+            count += 1
+    between = geometric_means(flatten[here[:count]], flatten[there[:count]])
+    found = np.empty(count)
+    for k in range(count):
+        x, y = centre[there[k], 0] - centre[here[k], 0], centre[there[k], 1] - centre[here[k], 1]
+        u, v = between[k, 0, 0] * x + between[k, 0, 1] * y, between[k, 1, 0] * x + between[k, 1, 1] * y
+        found[k] = sqrt(u * u + v * v)
     return found

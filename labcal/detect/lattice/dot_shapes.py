@@ -54,7 +54,7 @@ def shape_deviations(
     predictor: Predictor, outlines: Outlines, target: DotGrid, settings: GridSettings
 ) -> np.ndarray:
     """Return by how much a semi-axis is off, in its logarithm, less what pixels do; 0 if undetermined."""
-    spots = list(predictor.lattice.spots.values())
+    spots = predictor.lattice.numbers
     found = predictor.shapes_in_steps(outlines)
     found[outlines.hole[spots] > settings.ring_hole_share] /= target.ring_size**2
     known = np.isfinite(found[:, 0, 0])
