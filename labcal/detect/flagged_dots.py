@@ -68,7 +68,7 @@ class FlaggedDots:
         )
 
     def collected(self, size: tuple[int, int], polarity: Polarity, refusal: Refusal | None) -> PictureDots:
-        """Return the dots sorted, with every place at most once: of two dots at one, neither can be trusted."""
+        """Return the dots sorted, with every place at most once: of two dots at one, neither is trusted."""
         place, named, flag = self.place, self.named, self.flag
         order = _order(place, named, self.seen_at)
         sorted_place = place[order]

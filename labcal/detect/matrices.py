@@ -40,7 +40,7 @@ def eigenvalues(M: np.ndarray) -> np.ndarray:
     for k in range(len(M)):
         middle, half = 0.5 * (M[k, 0, 0] + M[k, 1, 1]), 0.5 * (M[k, 0, 0] - M[k, 1, 1])
         squared = half**2 + M[k, 0, 1] * M[k, 1, 0]
-        apart = sqrt(0.0 if squared < 0.0 else squared)
+        apart = sqrt(max(squared, 0.0))
         found[k, 0], found[k, 1] = middle - apart, middle + apart
     return found
 

@@ -10,9 +10,9 @@ from labcal.detect.nearest_planes import nearest_planes
 
 
 class AroundLimits(NamedTuple):
-    """What the levels of the dots around must be, to tell the slope of the light."""
+    """Limits of the levels of the dots around, within which they tell the slope of the light."""
 
-    count: int
+    neighbours: int
     """Dots of a plane."""
     fewest: int
     """Dots of a board, with less of which each has its own slope."""
@@ -59,7 +59,7 @@ def slopes_around(
     place, level = centre[some], np.empty(len(some))
     for j in range(len(some)):
         level[j] = log(max(board[some[j]], dot[some[j]], limits.darkest))
-    around, variance = nearest_planes(place, level, min(limits.count, len(some)), limits.most_oblong)
+    around, variance = nearest_planes(place, level, min(limits.neighbours, len(some)), limits.most_oblong)
     for j in range(len(some)):
         k = some[j]
         if blur[k] ** 4 * variance[j] < limits.most_added * (covariance[k, 0, 0] + covariance[k, 1, 1]):

@@ -1,4 +1,4 @@
-"""Sums of the update by one light over a picture's dots, see :mod:`~labcal.detect.edges.one_light`, compiled."""
+"""Sums of the update by one light, see :mod:`~labcal.detect.edges.one_light`, compiled."""
 
 import numpy as np
 
@@ -19,7 +19,11 @@ def gains(table: np.ndarray, factor: float, scatter: float) -> np.ndarray:
     found = np.empty((len(table), 2, 2))
     for k in range(len(table)):
         row = table[k]
-        xx, xy, yy = factor * row[_NOISE] + scatter, factor * row[_NOISE + 1], factor * row[_NOISE + 2] + scatter
+        xx, xy, yy = (
+            factor * row[_NOISE] + scatter,
+            factor * row[_NOISE + 1],
+            factor * row[_NOISE + 2] + scatter,
+        )
         determinant = xx * yy - xy * xy
         for i in range(2):
             u, v = factor * row[_SHARED + 2 * i], factor * row[_SHARED + 2 * i + 1]
@@ -63,7 +67,7 @@ def parameter_weights(table: np.ndarray, gain: np.ndarray, black: float) -> np.n
     found = np.zeros((len(table), 2, PARAMETERS))
     for k in range(len(table)):
         board, dot = table[k, STATE] - black, table[k, STATE + 3] - black
-        scale = max(max(abs(board), abs(dot)), TINY) * max(abs(dot - board), TINY)
+        scale = max(abs(board), abs(dot), TINY) * max(abs(dot - board), TINY)
         for i in range(2):
             found[k, i, i] = 1.0
             for axis in range(2):
@@ -78,7 +82,7 @@ def light_slopes(table: np.ndarray, board: np.ndarray) -> np.ndarray:
     found = np.empty((len(table), 2))
     for k in range(len(table)):
         u, v, level = table[k, STATE + 1], table[k, STATE + 2], board[k]
-        level = TINY if level < TINY else level
+        level = max(level, TINY)
         found[k, 0] = (table[k, 2] * u + table[k, 3] * v) / level
         found[k, 1] = (table[k, 3] * u + table[k, 4] * v) / level
     return found

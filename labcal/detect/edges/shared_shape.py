@@ -31,7 +31,7 @@ def without_shared(sums: np.ndarray, step: np.ndarray) -> np.ndarray:
 
 @compiled
 def with_powers(kept: np.ndarray, sums: np.ndarray) -> np.ndarray:
-    """Return the power that is kept (n, k, 2) beside that of white noise, the last column of sums (n, k, 3)."""
+    """Return the power that is kept (n, k, 2) beside that of white noise, the last of the sums (n, k, 3)."""
     found = np.empty((kept.shape[0], kept.shape[1], 2))
     for k in range(kept.shape[0]):
         for j in range(kept.shape[1]):

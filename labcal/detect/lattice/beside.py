@@ -65,7 +65,10 @@ def empty_beside(nodes: np.ndarray) -> np.ndarray:
 
 @compiled
 def nearest_alike(
-    position: np.ndarray, shape: np.ndarray, blobs: tuple[np.ndarray, np.ndarray, np.ndarray], limits: tuple[float, float]
+    position: np.ndarray,
+    shape: np.ndarray,
+    blobs: tuple[np.ndarray, np.ndarray, np.ndarray],
+    limits: tuple[float, float],
 ) -> np.ndarray:
     """Return the whole spots of about the right size at places of dots (n, 2), (n, 2, 2); -1 for none.
 

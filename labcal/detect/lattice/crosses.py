@@ -57,7 +57,9 @@ def cross_at(
         return nothing, np.inf
     present = _flattened(i, near, spots, wanted[1], limits.ring_hole_share)
     most = limits.seed_residual_steps
-    opposite = np.array([_off(present, -present[k, 0], -present[k, 1]) / _length(present[k]) for k in range(len(near))])
+    opposite = np.array(
+        [_off(present, -present[k, 0], -present[k, 1]) / _length(present[k]) for k in range(len(near))]
+    )
     arms = np.flatnonzero(opposite < most)
     if len(arms) < 2:  # noqa: PLR2004 - an arm and its opposite
         return nothing, np.inf
@@ -98,7 +100,9 @@ def _around(i: int, spots: Spots, limits: CrossLimits) -> np.ndarray:
 
 
 @compiled
-def _flattened(i: int, near: np.ndarray, spots: Spots, ring_size: float, ring_hole_share: float) -> np.ndarray:
+def _flattened(
+    i: int, near: np.ndarray, spots: Spots, ring_size: float, ring_hole_share: float
+) -> np.ndarray:
     """Return the steps from spot i to those near it, (n, 2), in radii of the dots on the board."""
     centre, shape, hole, _ = spots
     which = np.append(near, i)

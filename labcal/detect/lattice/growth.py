@@ -25,47 +25,6 @@ class GrowthLimits(NamedTuple):
 
 
 @compiled
-def grown_from(
-    seed: np.ndarray,
-    spots: tuple[np.ndarray, np.ndarray],
-    usable: np.ndarray,
-    far: int,
-    limits: tuple[GrowthLimits, PredictionLimits],
-) -> np.ndarray:
-    """Return the nodes and spots of the consistent grid that grows from a seed, row by row, shape (n, 3).
-
-    Parameters
-    ----------
-    seed : ndarray of int, shape (m, 3)
-        Nodes along a and b, and their spots.
-    spots : tuple of ndarray
-        Centres and radii of all spots, px.
-    usable : ndarray of bool, shape (n,)
-        Spots that may be taken.
-    far : int
-        Nodes to either side of the seed's middle.
-    limits : tuple of GrowthLimits and PredictionLimits
-    """
-    centre, radius = spots
-    grid = np.full((2 * far + 1, 2 * far + 1), -1)
-    for k in range(len(seed)):
-        grid[far + seed[k, 0], far + seed[k, 1]] = seed[k, 2]
-        usable[seed[k, 2]] = False
-    grow(grid, centre, radius, usable, limits)
-    top, bottom, left, right = _extent(grid)
-    grid = grid[top : bottom + 1, left : right + 1].copy()
-    drop_inconsistent(grid, centre, limits)
-    keep_largest_part(grid, limits[0].part_gap_nodes)
-    found, count = np.empty((grid.size, 3), dtype=np.int64), 0
-    for a in range(grid.shape[0]):
-        for b in range(grid.shape[1]):
-            if grid[a, b] >= 0:
-                found[count, 0], found[count, 1], found[count, 2] = a, b, grid[a, b]
-                count += 1
-    return found[:count].copy()
-
-
-@compiled
 def grow(
     grid: np.ndarray,
     centre: np.ndarray,
@@ -118,7 +77,7 @@ def _candidates(
     growth, prediction_limits = limits
     farthest = growth.grow_residual_steps if reach == 1 else growth.bridge_residual_steps
     rows, columns = grid.shape
-    top, bottom, left, right = _extent(grid)
+    top, bottom, left, right = extent(grid)
     top, bottom = max(top - reach, 0), min(bottom + reach, rows - 1)
     left, right = max(left - reach, 0), min(right + reach, columns - 1)
     found = np.empty((max(bottom - top + 1, 0) * max(right - left + 1, 0), 4))
@@ -169,7 +128,7 @@ def _nearest(centre: np.ndarray, free: np.ndarray, place: np.ndarray) -> int:
 
 
 @compiled
-def _extent(grid: np.ndarray) -> tuple[int, int, int, int]:
+def extent(grid: np.ndarray) -> tuple[int, int, int, int]:
     """Return the first and last row, and the first and last column, that hold a spot."""
     top, bottom, left, right = grid.shape[0], -1, grid.shape[1], -1
     for a in range(grid.shape[0]):

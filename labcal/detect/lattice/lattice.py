@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from labcal.arrays import Pixels
-from labcal.detect.lattice.growth import GrowthLimits, grown_from
+from labcal.detect.lattice.grown_grid import grown_from
+from labcal.detect.lattice.growth import GrowthLimits
 from labcal.detect.lattice.neighbourhood import PredictionLimits
 from labcal.detect.lattice.rough_undistortion import NONE, RoughUndistortion
 from labcal.detect.lattice.seeds import Seed, seed_at

@@ -31,7 +31,7 @@ class RoughUndistortion:
 
     @property
     def is_none(self) -> bool:
-        """Whether the lens is perspective already."""
+        """True if the lens is perspective already."""
         return self.focal == inf
 
     def undistort(self, q: Pixels) -> Pixels:

@@ -10,7 +10,6 @@ from labcal.detect.stage_settings.grid import GridSettings
 from labcal.errors import InputError
 from labcal.geometry.projective_map import projective_map
 
-
 _PLAINLY = 0.9
 """Of the most that is left of a smooth grid: normal equations are far more exact than this."""
 

@@ -1,4 +1,4 @@
-"""How far a whole grid's spots lie from one smooth surface of its nodes, by normal equations, compiled."""
+"""Distance of a whole grid's spots from one smooth surface of its nodes, by normal equations, compiled."""
 
 from math import sqrt
 
@@ -65,7 +65,8 @@ def _similarity(points: np.ndarray) -> tuple[float, np.ndarray]:
 def _normalised(points: np.ndarray) -> np.ndarray:
     """Return points about their middle, with the root mean square distance sqrt(2)."""
     scale, middle = _similarity(points)
-    return (points - middle) * scale
+    found: np.ndarray = (points - middle) * scale
+    return found
 
 
 @compiled
@@ -79,9 +80,8 @@ def _homography(source: np.ndarray, target: np.ndarray) -> np.ndarray:
             for j in range(3):
                 row[6 + j] = -target[k, axis] * row[3 * axis + j]
             for i in range(_ENTRIES):
-                if row[i] != 0.0:
-                    for j in range(i + 1):
-                        normal[i, j] += row[i] * row[j]
+                for j in range(i + 1):
+                    normal[i, j] += row[i] * row[j]
     added = _AT_ZERO * np.trace(normal) / _ENTRIES
     for i in range(_ENTRIES):
         normal[i, i] += added
@@ -99,7 +99,7 @@ def _homography(source: np.ndarray, target: np.ndarray) -> np.ndarray:
 
 @compiled
 def _off_polynomial(nodes: np.ndarray, values: np.ndarray, degree: int) -> float:
-    """Return the largest distance of values (n, 2) from a polynomial of nodes; NaN if it is not determined."""
+    """Return the largest distance of values (n, 2) from a polynomial of nodes; NaN if nothing fits."""
     count, terms = len(nodes), (degree + 1) * (degree + 2) // 2
     design, normal, right = np.empty((count, terms)), np.zeros((terms, terms)), np.zeros((2, terms))
     for k in range(count):
