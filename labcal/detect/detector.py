@@ -1,29 +1,33 @@
 """From a picture to its dots: the stages of detection in order."""
 
-from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from labcal.detect.checks.missing_dots import unmeasured_dots
+from labcal.arrays import Pixels
+from labcal.detect.checks.missing_dots import UnmeasuredDot, unmeasured_dots
 from labcal.detect.checks.no_grid import why_no_grid
 from labcal.detect.checks.refusals import cause, hardly_measured, in_this_light
 from labcal.detect.dots import PictureDots
 from labcal.detect.edge_fit import fit_edges
+from labcal.detect.flagged_dots import FlaggedDots
 from labcal.detect.flags import DotFlag, Refusal
 from labcal.detect.foreign_dots import require_detections
 from labcal.detect.grey import AnyPicture, GreyPicture, grey_picture
 from labcal.detect.grid import Grid, find_grid
 from labcal.detect.lattice.bare_paper import dots_of_lines
+from labcal.detect.lattice.beside import distance_to_nearest
 from labcal.detect.lattice.marks_beside import dots_among
 from labcal.detect.lattice.missed import with_missed
+from labcal.detect.lattice.numbering import AnyNumbering
 from labcal.detect.lattice.plain import continues_beyond_grid, with_symmetric_numberings
 from labcal.detect.lattice.plain_part import plain_part
 from labcal.detect.lattice.prediction import Predictor
 from labcal.detect.light_fall import in_falling_light
 from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines, clear_reach
-from labcal.detect.quality import FlaggedDot, flag_dots
+from labcal.detect.quality import are_rings, flag_dots
 from labcal.detect.segmentation import Candidates, segmentations
 from labcal.detect.settings import DEFAULTS, DetectSettings
 from labcal.detect.stage_settings.quality import QualitySettings
@@ -109,10 +113,10 @@ def _detect(
     if isinstance(grid, Refusal):
         refusal = cause(grid, grey, candidates.whole, settings)
         refusal, detail = why_no_grid(refusal, grey, candidates, target, settings)
-        every = _unnamed(candidates.whole.joined(candidates.cut), set())
+        every = _unnamed(candidates.whole.joined(candidates.cut))
         seen = refusal is Refusal.AMBIGUOUS
         part = _part(picture, polarity, candidates.whole, target, settings) if seen else None
-        return replace(_collect(every, size, polarity, refusal), detail=detail, part=part)
+        return replace(every.collected(size, polarity, refusal), detail=detail, part=part)
     numbering = grid.numbering
     lattice, outlines = with_missed(grey, grid.lattice, numbering, candidates.whole, target, settings)
     same = lattice is grid.lattice
@@ -129,22 +133,32 @@ def _detect(
         if continues_beyond_grid(further, numbering, target, settings.grid):
             further = dots_of_lines(grey, further, predictor, numbering, target)
         if continues_beyond_grid(further, numbering, target, settings.grid):
-            every = _unnamed(candidates.whole.joined(candidates.cut), set())
+            every = _unnamed(candidates.whole.joined(candidates.cut))
             detail = "The target's columns and rows were seen, and dots beyond them."
-            return replace(_collect(every, size, polarity, Refusal.AMBIGUOUS), detail=detail)
-    spots = list(lattice.spots.values())
-    rings = target.ring_indices
-    ring = np.array([numbering.index(node) in rings for node in lattice.spots])
-    holes = np.where(ring, target.hole_share, 0.0)
+            return replace(every.collected(size, polarity, Refusal.AMBIGUOUS), detail=detail)
+    spots = lattice.numbers
+    holes = np.where(are_rings(numbering.indices(lattice.nodes), target), target.hole_share, 0.0)
     reach = clear_reach(target, settings.segmentation)
-    fits = fit_edges(grey, outlines.select(np.array(spots)), holes, reach, black, settings.edge)
+    fits = fit_edges(grey, outlines.select(spots), holes, reach, black, settings.edge)
     dots = flag_dots(in_falling_light(fits), predictor, numbering, target, settings)
-    dots += [FlaggedDot(numbering.index(dot.node), dot.flag, dot.seen_at, dot.outline) for dot in unmeasured]
-    unnamed = _unnamed(outlines.joined(candidates.cut), set(spots))
-    if unnamed:
+    dots = dots.joined([_with_places(unmeasured, numbering)])
+    others = np.ones(len(outlines.centre), dtype=bool)
+    others[spots] = False
+    unnamed = outlines.select(others).joined(candidates.cut)
+    if len(unnamed.centre) > 0:
         typical = median_of(outlines.radius[spots])
-        dots += _further(unnamed, typical, np.array([dot.seen_at for dot in dots]), settings.quality)
-    return with_symmetric_numberings(_collect(_unique_ids(dots), size, polarity, None), target)
+        dots = dots.joined([_further(unnamed, typical, dots.seen_at, settings.quality)])
+    return with_symmetric_numberings(dots.collected(size, polarity, None), target)
+
+
+def _with_places(dots: Sequence[UnmeasuredDot], numbering: AnyNumbering) -> FlaggedDots:
+    """Return dots that are not measured, at their places in the grid."""
+    nodes = np.array([dot.node for dot in dots], dtype=np.int64).reshape(-1, 2)
+    seen_at = np.array([dot.seen_at for dot in dots]).reshape(-1, 2)
+    outline = np.array([dot.outline for dot in dots]).reshape(-1, 2, 2)
+    return FlaggedDots.not_measured(
+        numbering.indices(nodes), tuple(dot.flag for dot in dots), seen_at, outline
+    )
 
 
 def _part(
@@ -159,11 +173,11 @@ def _part(
     if not numberings:
         return None
     grey, black = picture
-    spots, reach = np.array(list(lattice.spots.values())), clear_reach(target, settings.segmentation)
+    spots, reach = lattice.numbers, clear_reach(target, settings.segmentation)
     fits = fit_edges(grey, outlines.select(spots), np.zeros(len(spots)), reach, black, settings.edge)
     predictor = Predictor(lattice, outlines, settings.grid)
     dots = flag_dots(in_falling_light(fits), predictor, numberings[0], target, settings)
-    found = _collect(dots, (grey.shape[1], grey.shape[0]), polarity, None)
+    found = dots.collected((grey.shape[1], grey.shape[0]), polarity, None)
     node_of = {numberings[0].index(node): node for node in lattice.spots}
     nodes = [node_of[int(col), int(row)] for col, row in found.index]
     others = [np.array([one.index(node) for node in nodes], dtype=np.int64) for one in numberings[1:]]
@@ -181,69 +195,15 @@ def _search(
     return candidates, grid
 
 
-def _unnamed(outlines: Outlines, named: set[int]) -> list[FlaggedDot]:
-    """Return the spots that have no place in the grid."""
-    return [
-        FlaggedDot(None, DotFlag.NO_ID, outlines.centre[spot], outlines.shape[spot])
-        for spot in range(len(outlines.centre))
-        if spot not in named
-    ]
+def _unnamed(outlines: Outlines) -> FlaggedDots:
+    """Return spots without a place in the grid."""
+    flag = (DotFlag.NO_ID,) * len(outlines.centre)
+    return FlaggedDots.not_measured(None, flag, outlines.centre, outlines.shape)
 
 
-def _further(
-    unnamed: list[FlaggedDot], radius: float, taken: np.ndarray, settings: QualitySettings
-) -> list[FlaggedDot]:
+def _further(outlines: Outlines, radius: float, taken: Pixels, settings: QualitySettings) -> FlaggedDots:
     """Return the spots that a person might take for dots, and that are none of those at places (n, 2)."""
-    further = []
-    for dot in unnamed:
-        size = np.linalg.det(dot.outline) ** 0.25
-        if not abs(np.log(size / radius)) < settings.no_id_radius_log:
-            continue
-        if np.linalg.norm(taken - dot.seen_at, axis=1).min() > settings.no_id_distance_radii * size:
-            further.append(dot)
-    return further
-
-
-def _unique_ids(dots: list[FlaggedDot]) -> list[FlaggedDot]:
-    """Return the dots with every id at most once; of two, neither can be trusted."""
-    count = Counter(dot.place for dot in dots if dot.place is not None)
-    return [
-        dot if dot.place is None or count[dot.place] == 1 else dot._replace(place=None, flag=DotFlag.NO_ID)
-        for dot in dots
-    ]
-
-
-def _collect(
-    dots: list[FlaggedDot], size: tuple[int, int], polarity: Polarity, refusal: Refusal | None
-) -> PictureDots:
-    """Sort the dots and put them into arrays."""
-    dots = sorted(
-        dots,
-        key=lambda dot: (
-            dot.place is None,
-            *(dot.place or (0, 0))[::-1],
-            float(dot.seen_at[1]),
-            float(dot.seen_at[0]),
-        ),
-    )
-    missing = np.full((2, 2), np.nan)
-    return PictureDots(
-        size=size,
-        polarity=polarity,
-        refusal=refusal,
-        index=np.array([dot.place or (0, 0) for dot in dots], dtype=np.int64).reshape(-1, 2),
-        has_id=np.array([dot.place is not None for dot in dots], dtype=bool),
-        position=_rows([missing[0] if dot.centre is None else dot.centre for dot in dots]),
-        covariance=_rows(
-            [missing if dot.covariance is None else dot.covariance for dot in dots],
-        ).reshape(-1, 2, 2),
-        misfit=np.array([dot.misfit for dot in dots], dtype=np.float64),
-        flag=tuple([dot.flag for dot in dots]),
-        seen_at=_rows([dot.seen_at for dot in dots]),
-        outline=_rows([dot.outline for dot in dots]).reshape(-1, 2, 2),
-    )
-
-
-def _rows(parts: list[np.ndarray]) -> np.ndarray:
-    """Return arrays, shape (2,) or (2, 2), as the rows of one, shape (n, 2); faster than `numpy.array`."""
-    return np.concatenate(parts, axis=None).reshape(-1, 2) if parts else np.zeros((0, 2))
+    size = outlines.radius
+    alike = np.abs(np.log(size / radius)) < settings.no_id_radius_log
+    apart = distance_to_nearest(outlines.centre, taken) > settings.no_id_distance_radii * size
+    return _unnamed(outlines.select(alike & apart))

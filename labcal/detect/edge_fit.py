@@ -8,9 +8,10 @@ from jaxtyping import Float64
 from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.edges.certainty import CERTAINTY
 from labcal.detect.edges.edge_limits import EdgeLimits, PictureLimits
-from labcal.detect.edges.edge_model import STATE, TINY
+from labcal.detect.edges.edge_model import STATE
 from labcal.detect.edges.gauss_newton import fit_all
 from labcal.detect.edges.harmonics import KeptFits
+from labcal.detect.edges.light_sums import light_slopes
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.one_light import OneLight
 from labcal.detect.edges.outline_noise import outline_noise
@@ -26,11 +27,12 @@ from labcal.detect.edges.residuals import (
     ResidualLimits,
 )
 from labcal.detect.grey import GreyPicture, clipping
+from labcal.detect.matrices import inverses, mapped, matrix_roots
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.edge import EdgeSettings
-from labcal.geometry.two_by_two import inverses, matrix_roots
 
 _DEFAULTS = EdgeSettings()
+_SAME = np.eye(2)[None]
 
 
 @dataclass(frozen=True)
@@ -135,21 +137,22 @@ def fit_edges(
     weights = light.select(some).weights(table[some], black)
     kept = KeptFits(weights, certainty[some], pixels, places[some])
     noise = outline_noise(table[some], kept, flat, settings)
-    F = table[:, [2, 3, 3, 4]].reshape(-1, 2, 2)
+    F = np.ascontiguousarray(table[:, [2, 3, 3, 4]]).reshape(-1, 2, 2)
     covariance = light.covariances(table, noise.factor)
     if noise.factor != 1.0:
         root = matrix_roots(noise.by_direction[None])
-        covariance = root @ covariance @ root
+        covariance = mapped(root, covariance)
         covariance[:, 1, 0] = covariance[:, 0, 1]  # but for the last bit they are the same
     in_steps = table[:, 5] <= settings.min_blur_px  # the outline runs from pixel to pixel
     stepped = np.where(in_steps, settings.stepped_variance_px3 / spots.radius, 0.0)
-    covariance = covariance + stepped[:, None, None] * np.eye(2)
+    covariance[:, 0, 0] += stepped
+    covariance[:, 1, 1] += stepped
     board, dot = np.abs(table[:, [STATE, STATE + 3]] - black).T
     return EdgeFits(
         ok=ok,
         centre=light.centres(table),
         covariance=covariance,
-        shape=inverses(F @ F),
+        shape=inverses(mapped(F, _SAME)),
         blur=table[:, 5],
         departure=table[:, DEPARTURE],
         clipped=table[:, CLIPPED],
@@ -157,14 +160,7 @@ def fit_edges(
         profile=table[:, PROFILE],
         board=board,
         dot=dot,
-        light_slope=_light_slope(table, board),
+        light_slope=light_slopes(table, board),
         variance=table[:, VARIANCE],
         noise_factor=noise.factor,
     )
-
-
-def _light_slope(table: Float64[np.ndarray, "n c"], board: Float64[np.ndarray, " n"]) -> Pixels:
-    """Return the slopes of the boards' levels as shares of them, a px; fits have them by flattened places."""
-    u, v = table[:, STATE + 1], table[:, STATE + 2]
-    by_pixel = np.stack([table[:, 2] * u + table[:, 3] * v, table[:, 3] * u + table[:, 4] * v], axis=-1)
-    return np.asarray(by_pixel / np.maximum(board, TINY)[:, None])

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice.dot_shapes import without_deviating_shapes
 from labcal.detect.lattice.lattice import Lattice, find_lattices
@@ -29,9 +31,9 @@ class Grid:
         return self.predictor.lattice
 
     @property
-    def spots(self) -> list[int]:
+    def spots(self) -> np.ndarray:
         """Numbers of the outlines that are dots of the grid."""
-        return list(self.lattice.spots.values())
+        return self.lattice.numbers
 
 
 def find_grid(

@@ -6,7 +6,7 @@ import numpy as np
 
 from labcal.arrays import Pixels
 from labcal.detect.edge_fit import EdgeFits
-from labcal.detect.nearest_planes import nearest_planes
+from labcal.detect.slopes_around import AroundLimits, slopes_around
 
 _NEIGHBOURS = 12
 """Dots around a dot whose levels tell the slope of the light there: those within two pitches of a grid."""
@@ -19,6 +19,7 @@ _MOST_ADDED = 0.0025
 the levels about a plane is large."""
 _DARKEST = 1e-6
 """Of a level, grey values."""
+_LIMITS = AroundLimits(_NEIGHBOURS + 1, _FEWEST, _MOST_OBLONG, _MOST_ADDED, _DARKEST)
 
 
 def lit_centres(fits: EdgeFits) -> Pixels:
@@ -38,7 +39,12 @@ def lit_centres(fits: EdgeFits) -> Pixels:
     Blur acts on what is seen, light times print. A step whose height grows by a share g a px is blurred to a
     step that stands by g times the variance of the blur further towards the dark, all around the dot.
     """
-    return np.asarray(fits.centre + (fits.blur**2)[:, None] * fits.light_slope)
+    return _lit(fits, fits.light_slope)
+
+
+def _lit(fits: EdgeFits, slopes: Pixels) -> Pixels:
+    """Return the centres of fits where the light has these slopes, 1/px."""
+    return np.asarray(fits.centre + (fits.blur**2)[:, None] * slopes)
 
 
 def in_falling_light(fits: EdgeFits) -> EdgeFits:
@@ -52,8 +58,8 @@ def in_falling_light(fits: EdgeFits) -> EdgeFits:
     ----------
     fits : EdgeFits
     """
-    lit = replace(fits, light_slope=_slopes(fits))
-    return replace(lit, centre=lit_centres(lit))
+    slopes = _slopes(fits)
+    return replace(fits, light_slope=slopes, centre=_lit(fits, slopes))
 
 
 def _slopes(fits: EdgeFits) -> Pixels:
@@ -62,15 +68,5 @@ def _slopes(fits: EdgeFits) -> Pixels:
     Where these do not tell it, as beside the edge of a shadow, a dot has its own board's slope; where its
     board is the darker side, none.
     """
-    own_tells = ~fits.ok | (np.nan_to_num(fits.board) > np.nan_to_num(fits.dot))
-    slopes = np.where(own_tells[:, None], fits.light_slope, 0.0)
-    some = np.flatnonzero(fits.ok)
-    if len(some) < _FEWEST:
-        return slopes
-    place = fits.centre[some]
-    level = np.log(np.maximum(np.maximum(fits.board, fits.dot)[some], _DARKEST))
-    around, variance = nearest_planes(place, level, min(_NEIGHBOURS + 1, len(some)), _MOST_OBLONG)
-    added = fits.blur[some] ** 4 * variance
-    tells = added < _MOST_ADDED * (fits.covariance[some, 0, 0] + fits.covariance[some, 1, 1])
-    slopes[some[tells]] = around[tells]
-    return slopes
+    levels, spread = (fits.board, fits.dot), (fits.blur, fits.covariance)
+    return slopes_around(fits.ok, levels, fits.centre, spread, fits.light_slope, _LIMITS)

@@ -1,35 +1,24 @@
 """Stage 4, quality: which dots are measurements."""
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Int64
 
 from labcal.arrays import Mask
 from labcal.detect.checks.usual_light import misfits, paleness
 from labcal.detect.edge_fit import EdgeFits
+from labcal.detect.flagged_dots import FlaggedDots
 from labcal.detect.flags import DotFlag
 from labcal.detect.lattice.dot_shapes import deviating_shapes
 from labcal.detect.lattice.numbering import AnyNumbering
 from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.matrices import eigenvalues
 from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.quality import QualitySettings
-from labcal.geometry.two_by_two import eigenvalues
 from labcal.targets.grid import DotGrid
-
-
-class FlaggedDot(NamedTuple):
-    """One dot on its way into `PictureDots`; its `place` is (col, row), centre and covariance are in px."""
-
-    place: tuple[int, int] | None
-    flag: DotFlag
-    seen_at: np.ndarray
-    outline: np.ndarray
-    centre: np.ndarray | None = None
-    covariance: np.ndarray | None = None
-    misfit: float = np.nan
 
 
 def flag_dots(
@@ -38,7 +27,7 @@ def flag_dots(
     numbering: AnyNumbering,
     target: DotGrid,
     settings: DetectSettings,
-) -> list[FlaggedDot]:
+) -> FlaggedDots:
     """Return the dots of a lattice, each with the flag that its fit earns.
 
     Parameters
@@ -53,10 +42,8 @@ def flag_dots(
     """
     limits = settings.quality
     lattice, outlines = predictor.lattice, predictor.outlines
-    index = [numbering.index(node) for node in lattice.spots]
-    spots = outlines.select(np.array(list(lattice.spots.values())))
-    rings = target.ring_indices
-    ring = np.array([place in rings for place in index])
+    index, spots = numbering.indices(lattice.nodes), outlines.select(lattice.numbers)
+    ring = are_rings(index, target)
     dark, light = np.minimum(fits.board, fits.dot), np.maximum(fits.board, fits.dot)
     misfit = misfits(dark, light, fits.variance, limits)
     rough = _is_rough(fits, spots, ring, limits)
@@ -64,24 +51,39 @@ def flag_dots(
     rough |= deviating_shapes(predictor, _fitted(fits, predictor), target, settings)
     burnt_out = _is_burnt_out(fits, limits)
     minor = np.sqrt(eigenvalues(spots.shape)[:, 0])
-    blurred = (spots.blur > limits.max_blur_share * minor).tolist()
-    saturated = (fits.ok & (burnt_out | (fits.clipped > limits.max_clipped_share))).tolist()
-    bad = (~fits.ok | rough).tolist()
-    dots = []
-    for number, (place, off) in enumerate(zip(index, misfit.tolist(), strict=True)):
-        if blurred[number] or saturated[number] or bad[number]:
-            flag = DotFlag.BAD_FIT
-            if blurred[number]:
-                flag = DotFlag.BLURRED
-            elif saturated[number]:
-                flag = DotFlag.SATURATED
-            dots.append(FlaggedDot(place, flag, spots.centre[number], spots.shape[number]))
-            continue
-        flag = DotFlag.OK if target.holds(*place) else DotFlag.BEYOND_GRID
-        centre = fits.centre[number]
-        measured = (centre, fits.covariance[number], off)
-        dots.append(FlaggedDot(place, flag, centre, fits.shape[number], *measured))
-    return dots
+    blurred = spots.blur > limits.max_blur_share * minor
+    saturated = fits.ok & (burnt_out | (fits.clipped > limits.max_clipped_share))
+    out = ~fits.ok | rough | saturated | blurred
+    inside = np.array([target.holds(col, row) for col, row in index.tolist()], dtype=bool)
+    flag = tuple(
+        [
+            (DotFlag.OK if held else DotFlag.BEYOND_GRID) if not bad else _reason(soft, burnt)
+            for held, bad, soft, burnt in zip(
+                inside.tolist(), out.tolist(), blurred.tolist(), saturated.tolist(), strict=True
+            )
+        ]
+    )
+    centre, covariance = fits.centre.copy(), fits.covariance.copy()
+    seen_at, outline = fits.centre.copy(), fits.shape.copy()
+    centre[out], covariance[out], misfit[out] = np.nan, np.nan, np.nan
+    seen_at[out], outline[out] = spots.centre[out], spots.shape[out]
+    named = np.ones(len(index), dtype=bool)
+    return FlaggedDots(index, named, flag, seen_at, outline, centre, covariance, misfit)
+
+
+def _reason(blurred: bool, saturated: bool) -> DotFlag:  # noqa: FBT001 - what is known of a dot
+    """Return the flag of a dot that is no measurement."""
+    if blurred:
+        return DotFlag.BLURRED
+    return DotFlag.SATURATED if saturated else DotFlag.BAD_FIT
+
+
+def are_rings(index: Int64[np.ndarray, "n 2"], target: DotGrid) -> Mask:
+    """Tell which places (col, row) are rings of the target."""
+    ring = np.zeros(len(index), dtype=bool)
+    for col, row in target.ring_indices:
+        ring |= (index[:, 0] == col) & (index[:, 1] == row)
+    return ring
 
 
 def _is_rough(fits: EdgeFits, spots: Outlines, ring: np.ndarray, limits: QualitySettings) -> Mask:
@@ -109,6 +111,6 @@ def _is_burnt_out(fits: EdgeFits, limits: QualitySettings) -> bool:
 
 def _fitted(fits: EdgeFits, predictor: Predictor) -> Outlines:
     """Return the outlines with the fitted shapes where there are some."""
-    shape, which = predictor.outlines.shape.copy(), list(predictor.lattice.spots.values())
+    shape, which = predictor.outlines.shape.copy(), predictor.lattice.numbers
     shape[which] = np.where(fits.ok[:, None, None], fits.shape, shape[which])
     return replace(predictor.outlines, shape=shape)

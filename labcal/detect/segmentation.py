@@ -7,10 +7,10 @@ import numpy as np
 
 from labcal.arrays import PixelCovariances
 from labcal.detect.grey import GreyPicture, is_flat
+from labcal.detect.matrices import eigenvalues
 from labcal.detect.outlines.blobs import Blobs, Pyramid, blobs_of, joined
 from labcal.detect.outlines.outlines import Outlines, inside_frame, trace_outlines
 from labcal.detect.stage_settings.segmentation import SegmentationSettings
-from labcal.geometry.two_by_two import eigenvalues
 from labcal.targets.grid import DotGrid
 
 _MARGIN = 0.5  # px beyond the outermost pixel centres: the frame

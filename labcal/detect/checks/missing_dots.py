@@ -8,6 +8,7 @@ from jaxtyping import Int64
 
 from labcal.arrays import PixelCovariances, Pixels
 from labcal.detect.flags import DotFlag
+from labcal.detect.lattice.beside import distance_to_nearest, empty_beside, nearest_alike
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.lattice.prediction import Predictor
 from labcal.detect.outlines.blobs import Blobs
@@ -46,15 +47,15 @@ def unmeasured_dots(
         Returns whether a node belongs to the declared grid: only such ones can be hidden.
     settings : QualitySettings
     """
-    spots = predictor.lattice.spots
-    beside = _beside(np.array(list(spots)))
+    beside = empty_beside(predictor.lattice.nodes)
     known, _, position, _, shape, neighbours = predictor.predicted(beside)
     if len(known) == 0:
         return []
     nodes: list[Node] = [(int(a), int(b)) for a, b in beside[known].tolist()]
     cut = _cut(position, shape, blobs, size, settings)
-    likely, unclean = neighbours >= settings.unclean_neighbours, np.full(len(nodes), -1)
-    unclean[likely] = _unclean(position[likely], shape[likely], blobs, settings)
+    limits = settings.unclean_radius_log, settings.unclean_residual_radii
+    unclean = nearest_alike(position, shape, (blobs.centre, blobs.shape, blobs.cut), limits)
+    unclean[neighbours < settings.unclean_neighbours] = -1
     in_picture = inside_frame(position, shape, size, 0.0) & (neighbours >= settings.hidden_neighbours)
     nothing = np.full((2, 2), np.nan)
     unmeasured = []
@@ -68,23 +69,10 @@ def unmeasured_dots(
             unmeasured.append(UnmeasuredDot(node, DotFlag.HIDDEN, position[k], nothing))
     if not unmeasured:
         return []
-    taken = predictor.outlines.centre[list(spots.values())]
-    radius = dict(zip(nodes, mean_radius(shape), strict=True))
-    return [dot for dot in unmeasured if np.hypot(*(taken - dot.seen_at).T).min() > radius[dot.node]]
-
-
-def _beside(nodes: Int64[np.ndarray, "n 2"]) -> Int64[np.ndarray, "m 2"]:
-    """Return the nodes next to some others, sorted."""
-    low = nodes.min(axis=0) - 1
-    held = np.zeros(nodes.max(axis=0) - low + 2, dtype=bool)
-    held[tuple((nodes - low).T)] = True
-    near = held.copy()
-    near[1:] |= held[:-1]
-    near[:-1] |= held[1:]
-    rows = near.copy()
-    near[:, 1:] |= rows[:, :-1]
-    near[:, :-1] |= rows[:, 1:]
-    return np.asarray(np.argwhere(near & ~held) + low)
+    taken = predictor.outlines.centre[predictor.lattice.numbers]
+    away = distance_to_nearest(np.array([dot.seen_at for dot in unmeasured]), taken).tolist()
+    radius = dict(zip(nodes, mean_radius(shape).tolist(), strict=True))
+    return [dot for dot, far in zip(unmeasured, away, strict=True) if far > radius[dot.node]]
 
 
 def _cut(
@@ -109,18 +97,3 @@ def _cut(
     best = residual.argmin(axis=1)
     found[crossed] = np.where(residual.min(axis=1) <= settings.cut_residual_radii, spots[best], -1)
     return found
-
-
-def _unclean(
-    position: Pixels, shape: PixelCovariances, blobs: Blobs, settings: QualitySettings
-) -> Int64[np.ndarray, " n"]:
-    """Return the whole spots of about the right size at places of dots; -1 where there is none."""
-    spots = np.flatnonzero(~blobs.cut)
-    if len(spots) == 0 or len(position) == 0:
-        return np.full(len(position), -1)
-    radius = mean_radius(shape)[:, None]
-    distance = np.linalg.norm(blobs.centre[spots] - position[:, None], axis=2) / radius
-    size_log = np.abs(np.log(mean_radius(blobs.shape[spots]) / radius))
-    distance[size_log > settings.unclean_radius_log] = np.inf
-    near = distance.min(axis=1) <= settings.unclean_residual_radii
-    return np.where(near, spots[distance.argmin(axis=1)], -1)

@@ -6,16 +6,15 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.arrays import PixelCovariances, Pixels
-from labcal.detect.edges.edge_model import PARAMETERS, STATE, TINY
-from labcal.detect.edges.residuals import COVARIANCE, SLOPE_DIFFERENCE, SLOPE_DIFFERENCE_COVARIANCE
+from labcal.detect.edges.light_sums import gains, parameter_weights, updated_centres, updated_covariances
+from labcal.detect.edges.residuals import SLOPE_DIFFERENCE, SLOPE_DIFFERENCE_COVARIANCE
 from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.edge import EdgeSettings
-from labcal.geometry.two_by_two import inverses
 
 _MEDIAN_SQUARE = 0.4549
 """The median of chi-square's distribution with one degree of freedom."""
-_TWICE = np.array([0, 1, 1, 2])
-"""xx xy yy as a matrix."""
+_OWN_NOISE = [SLOPE_DIFFERENCE_COVARIANCE, SLOPE_DIFFERENCE_COVARIANCE + 2]
+"""Columns of the variances of both slope differences."""
 
 
 @dataclass(frozen=True)
@@ -48,17 +47,16 @@ class OneLight:
             Factor by which correlated noise widens the covariances of slopes.
         settings : EdgeSettings
         """
-        _, noise, shared = (factor * part for part in _covariances(table))
         off = table[:, SLOPE_DIFFERENCE : SLOPE_DIFFERENCE + 2]
         known = np.isfinite(off[:, 0])
         if not known.any():
             return cls(np.zeros((len(table), 2, 2)), 0.0)
-        expected = median_of(np.diagonal(noise[known], axis1=1, axis2=2))
+        expected = median_of(factor * table[known][:, _OWN_NOISE])
         seen = median_of(off[known] ** 2) / _MEDIAN_SQUARE - expected
         count = 2 * int(known.sum())
         usual = settings.shared_light_count * settings.shared_light_share**2
         scatter = (count * max(seen, 0.0) + usual) / (count + settings.shared_light_count)
-        return cls(shared @ inverses(noise + scatter * np.eye(2)), float(scatter))
+        return cls(gains(table, factor, float(scatter)), float(scatter))
 
     def select(self, which: np.ndarray) -> "OneLight":
         """Return the update of some of the dots, by index."""
@@ -66,9 +64,7 @@ class OneLight:
 
     def centres(self, table: Float64[np.ndarray, "n c"]) -> Pixels:
         """Return the updated centres, px."""
-        off = table[:, SLOPE_DIFFERENCE : SLOPE_DIFFERENCE + 2]
-        moved: Pixels = table[:, :2] - np.einsum("nij,nj->ni", self.gain, off)
-        return moved
+        return updated_centres(table, self.gain)
 
     def covariances(self, table: Float64[np.ndarray, "n c"], factor: float) -> PixelCovariances:
         """Return the covariances of the updated centres, px squared.
@@ -81,14 +77,7 @@ class OneLight:
         factor : float
             Variance of the noise over that which the table counts with.
         """
-        own, noise, shared = _covariances(table)
-        gain, back = self.gain, np.swapaxes(self.gain, 1, 2)
-        crossed = gain @ np.swapaxes(shared, 1, 2)
-        pixels = own - crossed - np.swapaxes(crossed, 1, 2) + gain @ noise @ back
-        covariance = factor * pixels + self.scatter * (gain @ back)
-        covariance[:, 1, 0] = covariance[:, 0, 1]  # but for the last bit they are the same
-        updated: PixelCovariances = covariance
-        return updated
+        return updated_covariances(table, self.gain, factor, self.scatter)
 
     def weights(self, table: Float64[np.ndarray, "n c"], black: float) -> Float64[np.ndarray, "n 2 p"]:
         """Return the weights of a fit's parameters in the updated centre.
@@ -99,23 +88,4 @@ class OneLight:
         black : float
             Grey value of no light.
         """
-        board, dot = table[:, STATE] - black, table[:, STATE + 3] - black
-        scale = np.maximum(np.maximum(np.abs(board), np.abs(dot)), TINY) * np.maximum(
-            np.abs(dot - board), TINY
-        )
-        weights = np.zeros((len(table), 2, PARAMETERS))
-        weights[:, [0, 1], [0, 1]] = 1.0
-        for axis in range(2):
-            weights[:, :, STATE + 1 + axis] = self.gain[:, :, axis] * (dot / scale)[:, None]
-            weights[:, :, STATE + 4 + axis] = -self.gain[:, :, axis] * (board / scale)[:, None]
-        return weights
-
-
-def _covariances(
-    table: Float64[np.ndarray, "n c"],
-) -> tuple[PixelCovariances, PixelCovariances, PixelCovariances]:
-    """Return the covariances of centres, of slope differences, and of the former with the latter."""
-    own = table[:, COVARIANCE + _TWICE].reshape(-1, 2, 2)
-    noise = table[:, SLOPE_DIFFERENCE_COVARIANCE + _TWICE].reshape(-1, 2, 2)
-    shared = table[:, SLOPE_DIFFERENCE_COVARIANCE + 3 + np.arange(4)].reshape(-1, 2, 2)
-    return own, noise, shared
+        return parameter_weights(table, self.gain, black)

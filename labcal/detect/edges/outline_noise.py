@@ -11,6 +11,7 @@ from labcal.detect.edges.gamma_regression import gamma_regression
 from labcal.detect.edges.harmonics import Harmonics, KeptFits, harmonic_sums
 from labcal.detect.edges.noise_direction import neighbouring, noise_by_direction
 from labcal.detect.edges.residuals import VARIANCE
+from labcal.detect.edges.shared_shape import with_powers, without_shared
 from labcal.detect.medians import median_of
 from labcal.detect.stage_settings.edge import EdgeSettings
 
@@ -121,18 +122,14 @@ def own_powers(
         From dot to board, over the dot's noise.
     """
     kept = without_shared_shape(sums[..., :2], step)
-    return np.stack([(kept**2).sum(axis=2), sums[..., 2]], axis=2)
+    return with_powers(kept, sums)
 
 
 def without_shared_shape(
     sums: Float64[np.ndarray, "n k 2"], step: Float64[np.ndarray, " n"]
 ) -> Float64[np.ndarray, "n k 2"]:
     """Return sums of each dot's residuals without what all dots share; `step` as of :func:`own_powers`."""
-    n = len(sums)
-    if n == 1:
-        return sums
-    shared = (step[:, None, None] * sums).sum(axis=0) / (step**2).sum()
-    return np.asarray((sums - step[:, None, None] * shared) * np.sqrt(n / (n - 1.0)))
+    return sums if len(sums) == 1 else without_shared(sums, step)
 
 
 def long_wave_ratio(

@@ -5,11 +5,11 @@ import numpy as np
 from labcal.arrays import Mask
 from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.prediction import Predictor
+from labcal.detect.matrices import eigenvalues, inverses
 from labcal.detect.medians import medians_along
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.grid import GridSettings
-from labcal.geometry.two_by_two import eigenvalues, inverses
 from labcal.targets.grid import DotGrid
 
 
@@ -54,14 +54,14 @@ def shape_deviations(
     predictor: Predictor, outlines: Outlines, target: DotGrid, settings: GridSettings
 ) -> np.ndarray:
     """Return by how much a semi-axis is off, in its logarithm, less what pixels do; 0 if undetermined."""
-    spots = list(predictor.lattice.spots.values())
+    spots = predictor.lattice.numbers
     found = predictor.shapes_in_steps(outlines)
     found[outlines.hole[spots] > settings.ring_hole_share] /= target.ring_size**2
     known = np.isfinite(found[:, 0, 0])
     off = np.zeros(len(spots))
     if known.any():
         usual = medians_along(found[known])
-        axes = np.sqrt(np.abs(eigenvalues(inverses(usual) @ found[known])))
+        axes = np.sqrt(np.abs(eigenvalues(inverses(usual[None]) @ found[known])))
         minor = np.sqrt(eigenvalues(outlines.shape[spots])[known, 0])
         off[known] = np.abs(np.log(axes)).max(axis=1) - settings.shape_px / minor
     return off

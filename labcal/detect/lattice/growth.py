@@ -21,6 +21,7 @@ class GrowthLimits(NamedTuple):
     bridge_residual_steps: float
     bridge_nodes: int
     keep_residual_steps: float
+    part_gap_nodes: int
 
 
 @compiled
@@ -76,7 +77,7 @@ def _candidates(
     growth, prediction_limits = limits
     farthest = growth.grow_residual_steps if reach == 1 else growth.bridge_residual_steps
     rows, columns = grid.shape
-    top, bottom, left, right = _extent(grid)
+    top, bottom, left, right = extent(grid)
     top, bottom = max(top - reach, 0), min(bottom + reach, rows - 1)
     left, right = max(left - reach, 0), min(right + reach, columns - 1)
     found = np.empty((max(bottom - top + 1, 0) * max(right - left + 1, 0), 4))
@@ -127,7 +128,7 @@ def _nearest(centre: np.ndarray, free: np.ndarray, place: np.ndarray) -> int:
 
 
 @compiled
-def _extent(grid: np.ndarray) -> tuple[int, int, int, int]:
+def extent(grid: np.ndarray) -> tuple[int, int, int, int]:
     """Return the first and last row, and the first and last column, that hold a spot."""
     top, bottom, left, right = grid.shape[0], -1, grid.shape[1], -1
     for a in range(grid.shape[0]):

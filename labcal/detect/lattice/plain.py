@@ -40,6 +40,11 @@ class DiagonalNumbering:
         half_pitches, row = (int(k) for k in upright(self.turn, np.array([node]))[0] + self.shift)
         return (half_pitches - row % 2) // 2, row
 
+    def indices(self, nodes: np.ndarray) -> np.ndarray:
+        """Return (col, row) of nodes, (n, 2)."""
+        half_pitches, row = (upright(self.turn, nodes) + self.shift).T
+        return np.stack([(half_pitches - row % 2) // 2, row], axis=1)
+
 
 def number_plain(
     lattice: Lattice, outlines: Outlines, target: DotGrid, settings: GridSettings

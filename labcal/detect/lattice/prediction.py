@@ -6,16 +6,14 @@ from functools import cached_property
 import numpy as np
 
 from labcal.arrays import PixelCovariances
+from labcal.detect.lattice.beside import neighbour_counts, shapes_by_steps
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.neighbourhood import PredictionLimits, predict_all, residual_in_steps
 from labcal.detect.lattice.rough_undistortion import RoughUndistortion
+from labcal.detect.matrices import inverses, mapped
 from labcal.detect.medians import medians_along
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.grid import GridSettings
-from labcal.geometry.two_by_two import inverses
-
-_NEAR = 2
-"""Nodes to either side whose spots are a node's neighbours."""
 
 
 @dataclass(frozen=True)
@@ -51,9 +49,9 @@ class Predictor:
     def __init__(self, lattice: Lattice, outlines: Outlines, settings: GridSettings) -> None:
         around = settings.missed_gap_nodes  # empty nodes that may be predicted
         self._limits = settings.limits(PredictionLimits)
-        nodes = np.array(list(lattice.spots))
+        nodes = lattice.nodes
         self._corner = nodes.min(axis=0) - around
-        self._nodes, self._spots = nodes - self._corner, np.array(list(lattice.spots.values()))
+        self._nodes, self._spots = nodes - self._corner, lattice.numbers
         self._grid = np.full(self._nodes.max(axis=0) + 1 + around, -1)
         self._grid[tuple(self._nodes.T)] = self._spots
         self.lattice, self.outlines = lattice, outlines
@@ -78,11 +76,7 @@ class Predictor:
         Wherever a board is seen from, all its dots have one shape there. NaN where a node has no prediction.
         """
         values, flat = self._predictions, self.lattice.undistortion.outlines(outlines)
-        known = np.isfinite(values[:, 0])
-        shapes = np.full((len(values), 2, 2), np.nan)
-        back = inverses(np.swapaxes(values[known, 2:].reshape(-1, 2, 2), 1, 2))
-        shapes[known] = back @ flat.shape[self._spots[known]] @ np.swapaxes(back, 1, 2)
-        return shapes
+        return shapes_by_steps(values, flat.shape, self._spots)
 
     def predict(self, nodes: list[Node]) -> dict[Node, Prediction]:
         """Return predictions of nodes; those are left out whose neighbours are too few or on one line."""
@@ -108,18 +102,11 @@ class Predictor:
         undistortion, values = self.lattice.undistortion, values[known]
         positions = undistortion.distort(values[:, :2])
         steps = np.swapaxes(values[:, 2:].reshape(-1, 2, 2), 1, 2)
-        steps = inverses(undistortion.slopes(positions)) @ steps
-        outlines = steps @ self._shape @ np.swapaxes(steps, 1, 2)
-        return known, values, positions, steps, outlines, self._neighbours(places[known])
+        if not undistortion.is_none:
+            steps = inverses(undistortion.slopes(positions)) @ steps
+        outlines = mapped(np.ascontiguousarray(steps), self._shape[None])
+        return known, values, positions, steps, outlines, neighbour_counts(self._grid, places[known])
 
     def neighbours(self) -> np.ndarray:
         """Return how many neighbours each of the lattice's nodes has, in their order."""
-        return self._neighbours(self._nodes)
-
-    def _neighbours(self, places: np.ndarray) -> np.ndarray:
-        """Return how many nodes with a spot lie within two steps of places in the grid."""
-        full = np.pad(self._grid >= 0, _NEAR).astype(np.int64)
-        windows = np.lib.stride_tricks.sliding_window_view(full, (2 * _NEAR + 1, 2 * _NEAR + 1))
-        count: np.ndarray = windows[places[:, 0], places[:, 1]].sum(axis=(1, 2))
-        count -= self._grid[places[:, 0], places[:, 1]] >= 0
-        return count
+        return neighbour_counts(self._grid, self._nodes)

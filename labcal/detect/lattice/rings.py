@@ -6,11 +6,11 @@ from functools import cached_property
 import numpy as np
 
 from labcal.detect.flags import Refusal
+from labcal.detect.lattice.beside import step_lengths
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.medians import median_of
-from labcal.detect.outlines.outlines import Outlines, geometric_mean
+from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.grid import GridSettings
-from labcal.geometry.two_by_two import inverses, matrix_roots
 from labcal.targets.grid import DotGrid, Rings
 
 _SIGMA = 1.4826  # standard deviations over the median of absolute deviations
@@ -34,6 +34,11 @@ class Numbering:
         (p, q, x), (r, s, y) = self._rows
         return p * node[0] + q * node[1] + x, r * node[0] + s * node[1] + y
 
+    def indices(self, nodes: np.ndarray) -> np.ndarray:
+        """Return (col, row) of nodes, (n, 2)."""
+        places: np.ndarray = nodes @ self.turn.T + self.shift
+        return places
+
     @cached_property
     def _rows(self) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
         """The turn with the shift beside it, for plain arithmetic: nodes are many."""
@@ -43,12 +48,12 @@ class Numbering:
 
 def ring_nodes(lattice: Lattice, outlines: Outlines, settings: GridSettings) -> set[Node]:
     """Return the nodes whose dot is bright in the middle, less so in a blurred picture."""
-    hole = outlines.hole[list(lattice.spots.values())]
+    hole = outlines.hole[lattice.numbers]
     usual = median_of(hole)
     scatter = _SIGMA * median_of(np.abs(hole - usual))
     stands_out = usual + settings.ring_outlier_sigma * scatter
     limit = float(np.clip(stands_out, settings.faint_hole_share, settings.ring_hole_share))
-    return {node for node, spot in lattice.spots.items() if outlines.hole[spot] > limit}
+    return {(a, b) for a, b in lattice.nodes[hole > limit].tolist()}
 
 
 def number_by_rings(
@@ -130,20 +135,12 @@ def pitches_agree(
 
     `tolerance` is the most that the logarithm of the ratio may be off.
     """
-    flatten = inverses(matrix_roots(outlines.shape))
-    lengths: list[np.ndarray] = []
-    for step in ((1, 0), (0, 1)):
-        pairs = [
-            (spot, lattice.spots[neighbour])
-            for (a, b), spot in lattice.spots.items()
-            if (neighbour := (a + step[0], b + step[1])) in lattice.spots
-        ]
-        if not pairs:
-            return False
-        here, there = np.array(pairs).T
-        between = geometric_mean(flatten[here], flatten[there])
-        flat = np.einsum("nij,nj->ni", between, outlines.centre[there] - outlines.centre[here])
-        lengths.append(np.linalg.norm(flat, axis=1))
+    lengths = [
+        step_lengths(lattice.nodes, lattice.numbers, outlines.centre, outlines.shape, step)
+        for step in ((1, 0), (0, 1))
+    ]
+    if min(len(length) for length in lengths) == 0:
+        return False
     ratio = np.log(median_of(lengths[0]) / median_of(lengths[1]))
     if turn[0, 0] == 0:
         ratio = -ratio

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -28,9 +29,14 @@ class RoughUndistortion:
     centre: np.ndarray
     focal: float
 
+    @property
+    def is_none(self) -> bool:
+        """True if the lens is perspective already."""
+        return self.focal == inf
+
     def undistort(self, q: Pixels) -> Pixels:
         """Return where pixels lie in the undistorted picture, px."""
-        if not np.isfinite(self.focal):
+        if self.is_none:
             return q
         away, angle = self._polar(q)
         flat: np.ndarray = self.centre + away * (self._radius(angle) / angle)[..., None]
@@ -38,7 +44,7 @@ class RoughUndistortion:
 
     def distort(self, q: Pixels) -> Pixels:
         """Return the pixels of places in the undistorted picture."""
-        if not np.isfinite(self.focal):
+        if self.is_none:
             return q
         away, radius = self._polar(q)
         beyond = _LIMIT + (radius - _STRAIGHT_ON) / _STEEPEST
@@ -48,7 +54,7 @@ class RoughUndistortion:
 
     def slopes(self, q: Pixels) -> PixelCovariances:
         """Return the derivatives of :meth:`undistort` at pixels, shape (..., 2, 2)."""
-        if not np.isfinite(self.focal):
+        if self.is_none:
             return np.broadcast_to(np.eye(2), (*q.shape[:-1], 2, 2)).copy()
         away, angle = self._polar(q)
         outwards = away / np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), 1e-9)
@@ -60,6 +66,8 @@ class RoughUndistortion:
 
     def outlines(self, outlines: Outlines) -> Outlines:
         """Return outlines as they lie in the undistorted picture."""
+        if self.is_none:
+            return outlines
         slopes = self.slopes(outlines.centre)
         shape = slopes @ outlines.shape @ np.swapaxes(slopes, -1, -2)
         return Outlines(self.undistort(outlines.centre), shape, outlines.hole, outlines.blur)

@@ -5,9 +5,13 @@ import numpy as np
 from labcal.arrays import Pixels
 from labcal.detect.lattice.fisheye_plane import fitted_fisheye_plane
 from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.surface import off_smooth_surface
 from labcal.detect.stage_settings.grid import GridSettings
 from labcal.errors import InputError
 from labcal.geometry.projective_map import projective_map
+
+_PLAINLY = 0.9
+"""Of the most that is left of a smooth grid: normal equations are far more exact than this."""
 
 
 def is_smooth(lattice: Lattice, positions: Pixels, settings: GridSettings) -> bool:
@@ -24,9 +28,13 @@ def is_smooth(lattice: Lattice, positions: Pixels, settings: GridSettings) -> bo
         Of all spots, px.
     settings : GridSettings
     """
-    nodes = np.array(list(lattice.spots), dtype=np.float64)
-    seen = positions[list(lattice.spots.values())]
-    scaled = (nodes - nodes.mean(axis=0)) / np.ptp(nodes, axis=0).max()
+    nodes = lattice.nodes.astype(np.float64)
+    seen = positions[lattice.numbers]
+    extent = float(np.ptp(nodes, axis=0).max())
+    scaled = (nodes - nodes.mean(axis=0)) / extent
+    off = off_smooth_surface(scaled, seen, _degree(len(scaled), settings)) * extent
+    if off < _PLAINLY * settings.smooth_residual_steps:
+        return True
     try:
         back = projective_map("smoothness", seen, scaled)
     except InputError:  # they do not determine one
@@ -34,7 +42,7 @@ def is_smooth(lattice: Lattice, positions: Pixels, settings: GridSettings) -> bo
     straight = np.concatenate([seen, np.ones((len(seen), 1))], axis=1) @ back.T
     if (straight[:, 2] * straight[0, 2] <= 0).any():
         return False  # the horizon would run through the board
-    return _leaves_no_step(scaled, straight[:, :2] / straight[:, 2:], np.ptp(nodes, axis=0).max(), settings)
+    return _leaves_no_step(scaled, straight[:, :2] / straight[:, 2:], extent, settings)
 
 
 def is_smooth_through_fisheye(
@@ -54,9 +62,9 @@ def is_smooth_through_fisheye(
         Width and height of the picture, px.
     settings : GridSettings
     """
-    nodes = np.array(list(lattice.spots), dtype=np.float64)
+    nodes = lattice.nodes.astype(np.float64)
     extent = float(np.ptp(nodes, axis=0).max())
-    scaled, pixels = (nodes - nodes.mean(axis=0)) / extent, seen[list(lattice.spots.values())]
+    scaled, pixels = (nodes - nodes.mean(axis=0)) / extent, seen[lattice.numbers]
     plane = fitted_fisheye_plane(scaled, pixels, size)
     if plane is None:
         return False
@@ -66,10 +74,15 @@ def is_smooth_through_fisheye(
 
 def _leaves_no_step(scaled: np.ndarray, off: np.ndarray, extent: float, settings: GridSettings) -> bool:
     """Tell whether a polynomial of the nodes (n, 2) follows what a map leaves of them (n, 2) everywhere."""
-    degrees, spare = range(settings.smooth_max_degree, 1, -1), settings.smooth_dots_factor
-    degree = next((d for d in degrees if len(scaled) >= spare * (d + 1) * (d + 2) / 2), 1)
+    degree = _degree(len(scaled), settings)
     i, j = np.array([(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]).T
     of_a, of_b = (np.vander(nodes, degree + 1, increasing=True) for nodes in scaled.T)
     design = of_a[:, i] * of_b[:, j]
     left = off - design @ np.linalg.lstsq(design, off, rcond=None)[0]
     return bool(np.linalg.norm(left, axis=1).max() * extent < settings.smooth_residual_steps)
+
+
+def _degree(count: int, settings: GridSettings) -> int:
+    """Return the degree of a polynomial that so many dots determine well."""
+    degrees, spare = range(settings.smooth_max_degree, 1, -1), settings.smooth_dots_factor
+    return next((d for d in degrees if count >= spare * (d + 1) * (d + 2) / 2), 1)

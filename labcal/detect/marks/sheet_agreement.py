@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
-from labcal.detect.outlines.outlines import geometric_mean
+from labcal.detect.matrices import geometric_means
 from labcal.geometry.two_by_two import inverses, matrix_roots
 
 _NEAREST = 4
@@ -57,7 +57,7 @@ def agreement(place: Float64[np.ndarray, "n 2"], q: Pixels, outline: PixelCovari
     here = np.repeat(np.arange(n), near.shape[1])
     there = near.ravel()
     pairs = np.unique(np.sort(np.stack([here, there], axis=1), axis=1), axis=0)
-    between = geometric_mean(flatten[pairs[:, 0]], flatten[pairs[:, 1]])
+    between = geometric_means(flatten[pairs[:, 0]], flatten[pairs[:, 1]])
     seen = np.linalg.norm(np.einsum("nij,nj->ni", between, q[pairs[:, 1]] - q[pairs[:, 0]]), axis=1)
     printed = np.linalg.norm(place[pairs[:, 1]] - place[pairs[:, 0]], axis=1)
     fits = np.abs(np.log(seen / np.maximum(printed, 1e-9))) < _LARGEST_LOG

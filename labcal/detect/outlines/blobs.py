@@ -7,9 +7,9 @@ import numpy as np
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.grey import GreyPicture
+from labcal.detect.matrices import eigenvalues, matrix_roots
 from labcal.detect.outlines.contours import AREA, CENTRE, HIGH, LOW, SCATTER, SHAPE, contour_table
 from labcal.detect.stage_settings.segmentation import SegmentationSettings
-from labcal.geometry.two_by_two import eigenvalues, matrix_roots
 
 _ROWS_AT_ONCE = 512
 _EXPANSION = 0.5  # px: contours run through the centres of the outermost pixels

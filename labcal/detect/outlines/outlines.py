@@ -7,10 +7,10 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, PixelCovariances, Pixels
 from labcal.detect.grey import GreyPicture
+from labcal.detect.matrices import inside, matrix_roots, mean_radii
 from labcal.detect.outlines.blobs import Blobs
 from labcal.detect.outlines.rays import COLUMNS, RayLimits, distinct, ray_directions, trace_all
 from labcal.detect.stage_settings.segmentation import SegmentationSettings
-from labcal.geometry.two_by_two import determinants, matrix_roots
 from labcal.targets.grid import DotGrid
 
 
@@ -56,8 +56,7 @@ class Outlines:
 
 def mean_radius(shape: PixelCovariances) -> Float64[np.ndarray, " n"]:
     """Return the geometric means of outlines' semi-axes, px."""
-    radius: np.ndarray = np.sqrt(np.sqrt(determinants(shape)))
-    return radius
+    return mean_radii(shape)
 
 
 def clear_reach(target: DotGrid, settings: SegmentationSettings) -> float:
@@ -122,15 +121,4 @@ def _shape_of(table: np.ndarray) -> PixelCovariances:
 
 def inside_frame(centre: Pixels, shape: PixelCovariances, size: tuple[int, int], margin: float) -> Mask:
     """Tell which outlines lie whole in a picture of some width and height, up to a margin beyond (px)."""
-    extent = np.sqrt(np.diagonal(shape, axis1=1, axis2=2))
-    low, high = centre - extent, centre + extent
-    inside: np.ndarray = ((low > -margin) & (high < np.array(size) - 1 + margin)).all(axis=1)
-    return inside
-
-
-def geometric_mean(A: PixelCovariances, B: np.ndarray) -> PixelCovariances:
-    """Return the geometric means of positive symmetric 2 x 2 matrices (Bhatia 2007, chapter 4)."""
-    alpha, beta = (np.sqrt(determinants(M))[..., None, None] for M in (A, B))
-    total = A / alpha + B / beta
-    mean: np.ndarray = np.sqrt(alpha * beta / determinants(total)[..., None, None]) * total
-    return mean
+    return inside(centre, shape, size, margin)
