@@ -19,7 +19,9 @@ _DEGREES = (0, 2, 3, 4, 5, 6, 7, 8)
 _IN_VAIN = 2
 """Degrees one after the other that are no better: a lens may add cubic terms alone."""
 _FOLLOWED = 0.5
-"""Variance that a polynomial leaves, over the stated one, beyond which it does not follow lens and board."""
+"""Variance that the next degree leaves, over the stated one, beyond which it follows no lens and board."""
+_CONFIRMED = 0.5
+"""Share of the limit at which a corner disagrees by the next degree, too, which leaves less of its error."""
 _SPARE = 2.0
 """Coordinates a parameter, at least."""
 _MOST_WRONG = 0.25
@@ -98,10 +100,10 @@ def agreeing(board: Pixels, seen: Pixels, covariance: PixelCovariances) -> Mask:
             later.append(judged)
         if len(later) == _IN_VAIN:
             break
-    if best is None or not (plain or (later and best.more < _FOLLOWED)):
+    if best is None or not (plain or (later and later[0].more < _FOLLOWED)):
         return everything
     # What a degree leaves out, the next one may follow, though the others do not demand it.
-    kept = best.kept | later[0].kept if later else best.kept
+    kept = best.kept | (later[0].off < _CONFIRMED) if later else best.kept
     return kept if (~kept).sum() <= _MOST_WRONG * n else everything
 
 
@@ -113,6 +115,8 @@ class _Judged:
     ----------
     kept : ndarray of bool, shape (n,)
         Which agree.
+    off : ndarray, shape (n,)
+        Squared normalised difference from the prediction by the others, over its limit.
     more : float
         Variance that the map does not follow, over the usual stated one.
     length : float
@@ -120,6 +124,7 @@ class _Judged:
     """
 
     kept: Mask
+    off: np.ndarray
     more: float
     length: float
 
@@ -203,7 +208,7 @@ class _Design:
         total = covariance + more * np.eye(2)
         cost = np.log(determinants(total)) + np.minimum(_squares(e, total), limit)
         usual = max(0.5 * median_of(covariance[:, 0, 0] + covariance[:, 1, 1]), _TINY)
-        return _Judged(kept, more / usual, float(cost.sum() + p * np.log(2.0 * n)))
+        return _Judged(kept, off / limit, more / usual, float(cost.sum() + p * np.log(2.0 * n)))
 
     def _solution(self, total: PixelCovariances, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the parameters of weighted least squares, shape (p,), and their covariance."""
