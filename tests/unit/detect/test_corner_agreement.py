@@ -1,5 +1,6 @@
 """Corners that disagree with the others of their board: partly covered ones, and drawn numbers."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,8 @@ import pytest
 
 from labcal.bench.boards.april_grid_ink import april_grid_ink
 from labcal.bench.boards.april_grid_picture import NARROW
+from labcal.bench.boards.charuco_picture import CharucoPicture, charuco_picture
+from labcal.bench.boards.chessboard_picture import ChessboardPicture, chessboard_picture
 from labcal.bench.marks.drawn_picture import Cover, Exposure, drawn
 from labcal.detect.corners.corner_agreement import agreeing, without_disagreeing
 from labcal.detect.detector import detect_dots
@@ -45,6 +48,25 @@ def test_corners_that_are_half_covered_are_not_measured(name: str) -> None:
     at = dots.index.tolist().index(list(corner))
     assert dots.flag[at] is DotFlag.BAD_FIT
     assert np.isnan(dots.position[at]).all()
+
+
+@pytest.mark.parametrize(
+    ("drawn_board", "number", "corner"), [(charuco_picture, 33, (6, 2)), (chessboard_picture, 14, (2, 1))]
+)
+def test_half_covered_corners_of_other_boards_are_not_measured(
+    drawn_board: Callable[[int, int], CharucoPicture | ChessboardPicture],
+    number: int,
+    corner: tuple[int, int],
+) -> None:
+    # They were 2.6 and 1.1 px beside, 20 of their stated standard deviations and more.
+    seen = drawn_board(number, 7701)
+    dots = detect_dots(seen.picture, seen.board)
+    assert dots.refusal is None
+    off = dots.position[dots.ok] - seen.corner[dots.index[dots.ok] @ [1, seen.board.cols]]
+    squares = np.einsum("ni,nij,nj->n", off, np.linalg.inv(dots.covariance[dots.ok]), off)
+    assert squares.max() < 25.0
+    at = dots.index.tolist().index(list(corner))
+    assert dots.flag[at] is DotFlag.BAD_FIT
 
 
 def _board(bend: float, tilt: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
