@@ -3,7 +3,8 @@
 import numpy as np
 
 from labcal.detect.corners.board_by_codes import corners_by_codes
-from labcal.detect.corners.corners import Corners, measured_corners
+from labcal.detect.corners.corner_agreement import without_disagreeing
+from labcal.detect.corners.corners import Corners, measured_corners, spans_a_plane
 from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
 from labcal.detect.corners.markers_elsewhere import why_not_in_place
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_torn, square_px
@@ -40,10 +41,10 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     Returns
     -------
     PictureDots
-        Without outlines; a corner that is known by its markers and cannot be measured is flagged ``bad-fit``,
-        or ``cut`` at the frame. Refused where no two markers are read in the board's places, where
-        fewer than four corners, or corners of one line only, are measured, and where they lie on no smooth
-        surface.
+        Without outlines; a corner that is known by its markers and cannot be measured, or that is not where
+        the others predict it, is flagged ``bad-fit``, or ``cut`` at the frame. Refused where no two markers
+        are read in the board's places, where fewer than four corners, or corners of one line only, are
+        measured, and where they lie on no smooth surface.
     """
     seen = _read(grey, board, settings.corner)
     placed = markers_in_place(seen, board, settings.corner)
@@ -72,16 +73,17 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     ]
     corners = corners.select(np.flatnonzero(kept))
     dots = picture_corners(corners, grey, None, settings)
-    ok = np.flatnonzero([fit is not None for fit in corners.fits])
-    if not found.spans_a_plane() or not corners.select(ok).spans_a_plane():
+    dots = without_disagreeing(dots, dots.index.astype(np.float64))
+    ok = np.flatnonzero(dots.ok)
+    if not found.spans_a_plane() or not spans_a_plane(dots.index[ok]):
         by = counted(len(placed.number), "marker") if len(placed.number) else "the likeness of its codes"
         detail = f"{len(found.index)} of the board's {board.count} corners were placed by {by}, {len(ok)} "
         detail += "measured."
         if len(placed.number) == 0 and _has_large_squares(found, board, settings.corner):
             return dots.refused(Refusal.BLURRED, f"{detail} No marker is sharp enough to be read.")
         return refused_as_torn(dots, found.index, detail, settings.corner)
-    lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
-    smooth = is_smooth(lattice, corners.seen_at, settings.grid)
+    lattice = Lattice({(int(dots.index[k, 0]), int(dots.index[k, 1])): int(k) for k in ok})
+    smooth = is_smooth(lattice, dots.position, settings.grid)
     return dots if smooth else dots.refused(Refusal.GRID_INCONSISTENT)
 
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from labcal.detect.corners.board_lattice import find_board_lattices
 from labcal.detect.corners.board_numbering import SeenBoard, number_board, part_numberings
-from labcal.detect.corners.corners import Corners, measured_corners, widened_corners
+from labcal.detect.corners.corner_agreement import without_disagreeing
+from labcal.detect.corners.corners import Corners, measured_corners, spans_a_plane, widened_corners
 from labcal.detect.corners.outer_lines import shown_lines, shows_outer_lines
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_torn
 from labcal.detect.corners.reduced import Reduced, coarser_pictures, reduced_pictures
@@ -23,6 +24,8 @@ from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.saddle import SaddleSettings
 from labcal.targets.chessboard import Chessboard
+
+_RIM_UNCLEAR = "An outermost line of the board was seen, but its corners are not clear enough to number it."
 
 
 @dataclass(frozen=True)
@@ -53,10 +56,11 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     Returns
     -------
     PictureDots
-        Without outlines; a corner that is seen and cannot be measured is flagged ``bad-fit``, or ``cut`` at
-        the frame. Refused where there is no lattice of corners of alternating colours, where it cannot be
-        numbered (:func:`labcal.detect.corners.board_numbering.number_board`), and where it lies on no smooth
-        surface. A board that looks the same after a turn has the other numberings in `others`.
+        Without outlines; a corner that is seen and cannot be measured, or that is not where the others
+        predict it, is flagged ``bad-fit``, or ``cut`` at the frame. Refused where there is no lattice of
+        corners of alternating colours, where it cannot be numbered
+        (:func:`labcal.detect.corners.board_numbering.number_board`), and where it lies on no smooth surface.
+        A board that looks the same after a turn has the other numberings in `others`.
     """
     found = _found(grey, board, settings)
     if found.refusal is not None:
@@ -66,26 +70,36 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     corners = widened_corners(grey, board, corners, settings.corner)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not corners.select(ok).spans_a_plane():
-        return _torn(grey, board, corners, settings)
+        return _torn(picture_corners(corners, grey, None, settings), corners, board, settings)
     if not board.marks and not _shows_its_rim(corners.index[ok], board, settings.saddle):
         if _has_hard_edges(corners, settings) and _shows_its_rim(found.corners.index, board, settings.saddle):
-            return _torn(grey, board, corners, settings)
-        detail = "An outermost line of the board was seen, but its corners are not clear enough to number it."
-        return replace(picture_corners(corners, grey, Refusal.BOARD_IN_PART, settings), detail=detail)
+            return _torn(picture_corners(corners, grey, None, settings), corners, board, settings)
+        return replace(picture_corners(corners, grey, Refusal.BOARD_IN_PART, settings), detail=_RIM_UNCLEAR)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     if not is_smooth(lattice, corners.seen_at, settings.grid):
         return picture_corners(corners, grey, Refusal.GRID_INCONSISTENT, settings)
+    return _agreeing(grey, board, corners, settings)
+
+
+def _agreeing(
+    grey: GreyPicture, board: Chessboard, corners: Corners, settings: DetectSettings
+) -> PictureDots:
+    """Return the corners that agree with each other, refused where they no longer number the board."""
     dots = picture_corners(corners, grey, None, settings)
+    dots = without_disagreeing(dots, dots.index.astype(np.float64))
+    index = dots.index[dots.ok]
+    if not spans_a_plane(index):
+        return _torn(dots, corners, board, settings)
+    if not board.marks and not _shows_its_rim(index, board, settings.saddle):
+        return replace(dots.refused(Refusal.BOARD_IN_PART), detail=_RIM_UNCLEAR)
     return replace(dots, others=board.symmetric_indices(dots.index))
 
 
-def _torn(grey: GreyPicture, board: Chessboard, corners: Corners, settings: DetectSettings) -> PictureDots:
+def _torn(dots: PictureDots, corners: Corners, board: Chessboard, settings: DetectSettings) -> PictureDots:
     """Return the corners of a board that is seen and numbered, refused because too few are measured."""
-    measured = sum(fit is not None for fit in corners.fits)
-    detail = f"{len(corners.index)} of the board's {board.count} corners were seen, {measured} measured."
+    detail = f"{len(corners.index)} of the board's {board.count} corners were seen, {dots.ok.sum()} measured."
     if _has_hard_edges(corners, settings):
         detail += " The edges have no blur, as in a drawing or a picture made black and white."
-    dots = picture_corners(corners, grey, None, settings)
     return refused_as_torn(dots, corners.index, detail, settings.corner)
 
 
@@ -187,5 +201,6 @@ def _part(
         )
     )
     dots = picture_corners(corners, grey, None, settings)
+    dots = without_disagreeing(dots, dots.index.astype(np.float64))
     nodes = (dots.index - first.shift) @ first.turn
     return replace(dots, others=tuple(nodes @ one.turn.T + one.shift for one in others))

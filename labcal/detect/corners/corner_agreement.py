@@ -14,10 +14,14 @@ from labcal.geometry.two_by_two import determinants, inverses
 
 _CHANCE = 0.01
 """Probability that a picture without any wrong corner loses one."""
-_DEGREES = (0, 2, 3, 4, 5, 6)
+_DEGREES = (0, 2, 3, 4, 5, 6, 7, 8)
 """Of the polynomial beside the homography: none, and what a lens or a bent board adds."""
 _IN_VAIN = 2
 """Degrees one after the other that are no better: a lens may add cubic terms alone."""
+_FOLLOWED = 0.5
+"""Variance that the next degree leaves, over the stated one, beyond which it follows no lens and board."""
+_CONFIRMED = 0.5
+"""Share of the limit at which a corner disagrees by the next degree, too, which leaves less of its error."""
 _SPARE = 2.0
 """Coordinates a parameter, at least."""
 _MOST_WRONG = 0.25
@@ -84,18 +88,45 @@ def agreeing(board: Pixels, seen: Pixels, covariance: PixelCovariances) -> Mask:
     """
     n = len(board)
     everything = np.ones(n, dtype=bool)
-    best, least, in_vain = everything, np.inf, 0
+    best, later, plain = None, list[_Judged](), True
     for degree in _DEGREES:
         design = _Design.of(board, seen, degree)
         if design is None:
             break
-        kept, length = design.kept(covariance)
-        in_vain += 1
-        if length < least:
-            best, least, in_vain = kept, length, 0
-        if in_vain == _IN_VAIN:
+        judged = design.judged(covariance)
+        if best is None or judged.length < best.length:
+            best, later, plain = judged, [], degree == 0
+        else:
+            later.append(judged)
+        if len(later) == _IN_VAIN:
             break
-    return best if (~best).sum() <= _MOST_WRONG * n else everything
+    if best is None or not (plain or (later and later[0].more < _FOLLOWED)):
+        return everything
+    # What a degree leaves out, the next one may follow, though the others do not demand it.
+    kept = best.kept | (later[0].off < _CONFIRMED) if later else best.kept
+    return kept if (~kept).sum() <= _MOST_WRONG * n else everything
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """Corners compared with a map.
+
+    Attributes
+    ----------
+    kept : ndarray of bool, shape (n,)
+        Which agree.
+    off : ndarray, shape (n,)
+        Squared normalised difference from the prediction by the others, over its limit.
+    more : float
+        Variance that the map does not follow, over the usual stated one.
+    length : float
+        Description length of all, each one counted up to a limit.
+    """
+
+    kept: Mask
+    off: np.ndarray
+    more: float
+    length: float
 
 
 @dataclass(frozen=True)
@@ -146,8 +177,8 @@ class _Design:
         freedom = max(_EFFICIENCY * (2.0 * n - p), 1.0)
         return float(freedom * ((n / _CHANCE) ** (2.0 / freedom) - 1.0))
 
-    def kept(self, covariance: PixelCovariances) -> tuple[Mask, float]:
-        """Return which corners agree, and the description length of all, each one counted up to a limit."""
+    def judged(self, covariance: PixelCovariances) -> _Judged:
+        """Return which corners agree with the map."""
         (n, _, p), limit = self.rows.shape, self.limit
         more, weight = 0.0, np.ones(n)
         for _ in range(_ROBUST_ROUNDS):
@@ -176,7 +207,8 @@ class _Design:
             kept = agreed
         total = covariance + more * np.eye(2)
         cost = np.log(determinants(total)) + np.minimum(_squares(e, total), limit)
-        return kept, float(cost.sum() + p * np.log(2.0 * n))
+        usual = max(0.5 * median_of(covariance[:, 0, 0] + covariance[:, 1, 1]), _TINY)
+        return _Judged(kept, off / limit, more / usual, float(cost.sum() + p * np.log(2.0 * n)))
 
     def _solution(self, total: PixelCovariances, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the parameters of weighted least squares, shape (p,), and their covariance."""

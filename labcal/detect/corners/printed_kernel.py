@@ -16,8 +16,6 @@ _OWN, _TERMS, _LINEAR = 6, 5, 2
 _OF_STATE = np.array([0, 1, 4, 5, 6, 7])
 """Their places among the ten of a chessboard's corner."""
 _FIRST_BLUR, _LAST_BLUR = 2, 3
-MOST_LINES = 64
-"""Intervals between lines that the blur may reach at a place."""
 _STEEPEST = sqrt(2.0 / np.pi)
 """Change of a blurred step from -1 to 1 over a blur, at the step."""
 _FLAT = 1e-8
@@ -165,7 +163,8 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
     residual, jacobian, board, off_edges = rows
     mean, half, gx, gy, tone = state[6], state[7], state[8], state[9], state[10]
     h, terms = around.perspective, np.empty(_TERMS)
-    across, down = np.empty((4, MOST_LINES)), np.empty((4, MOST_LINES))
+    # A blur that runs away may reach all lines.
+    across, down = np.empty((4, len(print_.x) + 1)), np.empty((4, len(print_.y) + 1))
     nodes = quadrature(most_correlated(offset, around))
     nearest_x = np.searchsorted(print_.x, around.at[0])
     nearest_y = np.searchsorted(print_.y, around.at[1])

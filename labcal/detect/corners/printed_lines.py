@@ -4,7 +4,6 @@ import numpy as np
 
 from labcal.detect.compiled import compiled
 from labcal.detect.corners.printed_kernel import (
-    MOST_LINES,
     LocalMap,
     PrintLines,
     blend_at,
@@ -40,8 +39,8 @@ def line_derivatives(
     x_kinds, y_kinds = kinds
     out[:] = 0.0
     nodes = quadrature(most_correlated(offset, around))
-    across, down = np.empty((4, MOST_LINES)), np.empty((4, MOST_LINES))
-    rows, columns = np.empty(MOST_LINES), np.empty(MOST_LINES)
+    across, down = np.empty((4, len(print_.x) + 1)), np.empty((4, len(print_.y) + 1))
+    rows, columns = np.empty(len(print_.x) + 1), np.empty(len(print_.y) + 1)
     for k in range(offset.shape[1]):
         seen = seen_place(state, around, offset[0, k] - state[0], offset[1, k] - state[1])
         near_x = near_lines(seen.first, print_.x, int(np.searchsorted(print_.x, seen.first.place)))
