@@ -116,15 +116,15 @@ def _bend_share(
     residual = places - _in_picture(to_picture, nodes)
     excess = float((residual**2 / sigma[:, None] ** 2).sum()) / spare - 1.0
     beyond = np.sqrt((max(excess, 0.0) + 3.0 * np.sqrt(2.0 / spare)) * float(np.median(sigma)) ** 2)
-    left = _left_of_turns(to_picture, nodes, places) * _TURN / side**2
+    left = _left_of_a_turn(to_picture, nodes, places) * _TURN / side**2
     return float(np.clip(beyond / left, _LEAST_SHARE, 1.0)) if left > 0.0 else 1.0
 
 
-def _left_of_turns(to_picture: np.ndarray, nodes: np.ndarray, places: np.ndarray) -> float:
-    """Return the residuals that a homography of nodes (n, 2) leaves of bends of third order, px^3.
+def _left_of_a_turn(to_picture: np.ndarray, nodes: np.ndarray, places: np.ndarray) -> float:
+    """Return the root mean square residual that a homography of nodes (n, 2) leaves of a lens's bend, px^3.
 
-    They are the root of the mean square that is expected of coefficients of variance 1. A homography takes
-    most of such bends: over a square of side 2 a, 0.15 a^3 is left of x^3.
+    The bend is ``r |r|^2 / 6`` from the corners' middle on, whose third derivatives are up to 1. A homography
+    takes most of it: over a square of side 2 a, 0.15 a^3 is left of x^3.
     """
     plane = homogeneous(nodes.astype(np.float64))
     xyw = plane @ to_picture.T
@@ -136,13 +136,13 @@ def _left_of_turns(to_picture: np.ndarray, nodes: np.ndarray, places: np.ndarray
             np.concatenate([none, plane, -q[:, 1:] * plane], axis=1),
         ]
     )
-    x, y = (places - places.mean(axis=0)).T
-    bends = np.kron(np.eye(2), np.stack(_third_order(x, y), axis=-1))
+    away = places - places.mean(axis=0)
+    bend = (away * (away**2).sum(axis=1)[:, None] / 6.0).T.ravel()
     size = np.linalg.norm(tangent, axis=0)
     columns, kept, _ = np.linalg.svd(tangent / np.where(size > 0.0, size, 1.0), full_matrices=False)
     columns = columns[:, kept > _ALIKE * kept[0]]
-    left = bends - columns @ (columns.T @ bends)
-    return float(np.sqrt((left**2).sum() / len(left)))
+    left = bend - columns @ (columns.T @ bend)
+    return float(np.sqrt((left**2).mean()))
 
 
 def _in_front(near: np.ndarray, places: np.ndarray, to_board: np.ndarray) -> np.ndarray:

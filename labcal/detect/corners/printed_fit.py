@@ -21,8 +21,6 @@ from labcal.detect.row_products import filled_up
 from labcal.detect.stage_settings.corner import CornerSettings
 
 _NO_GAP = np.full(2, 1e6)
-_MODEL_ERROR_PX = 0.0015
-"""Error of the corners of drawn pictures without noise, along either axis: what the model leaves."""
 _LEAST_NOISE = 0.1
 """Of a pixel, grey values: in drawings there is none, but a rounding."""
 
@@ -45,11 +43,6 @@ class PrintedCorner(SettledCorner):
     print_: PrintLines = None  # type: ignore[assignment]
     prior: np.ndarray = None  # type: ignore[assignment]
     shared: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
-
-    @property
-    def added(self) -> np.ndarray:
-        """Covariance of its place that is not from its own pixels' noise, px squared, shape (2, 2)."""
-        return np.asarray(self.shared + _MODEL_ERROR_PX**2 * np.eye(2))
 
     def judged(self, settings: CornerSettings) -> CornerFit | None:
         """Return the fit with its uncertainty; None where there are too few pixels for one."""
