@@ -152,9 +152,7 @@ def _in_front(near: np.ndarray, places: np.ndarray, to_board: np.ndarray) -> np.
     return np.asarray((1.0 + (away * perspective).sum(axis=-1) > 0.0).all(axis=0))
 
 
-def _bends(
-    near: np.ndarray, places: np.ndarray, lens: tuple[float, float]
-) -> tuple[np.ndarray, np.ndarray]:
+def _bends(near: np.ndarray, places: np.ndarray, lens: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     """Return coefficients (n, 2, 10) of what bends the homography's picture, px, by those near (k, n, 5).
 
     And the information on those of first and second order, (n, 5, 5), the same along x and y. The bend is

@@ -11,6 +11,7 @@ from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
 from labcal.detect.corners.corner_kernel import CHESSBOARD, pattern_values
 from labcal.detect.corners.corner_model import CornerPixels, linearise
 from labcal.detect.corners.local_maps import local_maps
+from labcal.detect.corners.uncovered import uncovered
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
@@ -374,3 +375,14 @@ def test_maps_around_corners_follow_a_lens_and_perspective() -> None:
         at_rim = node[0] in (0, 5) or node[1] in (0, 3)
         # At the rim they are extrapolated; bends on the board, which is tilted, leave 2.5e-4 further in.
         assert np.abs(step - [0.3, -0.3]).max() < (0.004 if at_rim else 1e-4), node
+
+
+def test_pixels_that_something_covers_are_left_out_and_no_others() -> None:
+    mask = np.hypot(*(np.mgrid[:41, :41] - 20.0)) < 20.0
+    residual = np.random.default_rng(0).normal(0.0, 2.0, mask.shape)
+    assert uncovered(mask, residual[mask], 2.0, 0.8).all()
+    residual[:, 30:] += 9.0
+    columns = np.broadcast_to(np.arange(41), mask.shape)[mask]
+    seen = uncovered(mask, residual[mask], 2.0, 0.8)
+    assert not seen[columns >= 29].any()  # what is covered, and its blurred edge
+    assert seen[columns < 22].all()
