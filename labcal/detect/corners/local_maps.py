@@ -90,7 +90,8 @@ def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: f
             part[enough] = found
         both = np.einsum("nab,nij->naibj", to_px, certain)
         information[enough] = both.reshape(-1, 10, 10)
-    return LocalMaps(*parts, information)
+    linear, square, perspective, cube = parts
+    return LocalMaps(linear, square, perspective, cube, information)
 
 
 def _in_picture(to_picture: np.ndarray, nodes: np.ndarray) -> np.ndarray:

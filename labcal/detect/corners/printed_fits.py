@@ -94,11 +94,11 @@ def _by_print(
         printed = fit_print(grey, *places_on[nodes[k]], print_, settings)
         if printed is not None:
             found[nodes[k]] = printed
-    clear = _clear(found, settings.clear_roughness_factor)
-    if not clear:
+    unhidden = _clear(found, settings.clear_roughness_factor)
+    if not unhidden:
         return {}
-    usual = float(np.median([fit.roughness for fit in clear.values()]))
-    for node in places_on.keys() - clear.keys():
+    usual = float(np.median([fit.roughness for fit in unhidden.values()]))
+    for node in places_on.keys() - unhidden.keys():
         printed = fit_print(grey, *places_on[node], print_, settings, usual)
         if printed is not None:
             found[node] = printed
