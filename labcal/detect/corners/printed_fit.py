@@ -24,7 +24,7 @@ from labcal.detect.stage_settings.corner import CornerSettings
 
 _NO_GAP = np.full(2, 1e6)
 _LEAST_SEEN = 0.25
-"""Of the pixels around a corner: of fewer it is not told which are covered."""
+"""Of the pixels around a corner, that nothing covers, for a fit by these."""
 _LEAST_NOISE = 0.1
 """Of a pixel, grey values: in drawings there is none, but a rounding."""
 

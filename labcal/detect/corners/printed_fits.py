@@ -98,7 +98,7 @@ def _by_print(
     if not unhidden:
         return {}
     usual = float(np.median([fit.roughness for fit in unhidden.values()]))
-    for node in places_on.keys() - unhidden.keys():
+    for node in [node for node in places_on if node not in unhidden]:
         printed = fit_print(grey, *places_on[node], print_, settings, usual)
         if printed is not None:
             found[node] = printed
