@@ -20,6 +20,8 @@ _FOURTH = 1.0 / 24.0
 _HOMOGRAPHY = 8
 """Parameters."""
 _LEAST_SHARE = 1e-3
+_ALIKE = 1e-9
+"""Singular values, over the largest, of changes of a homography that change nothing: its scale."""
 
 
 @dataclass(frozen=True)
@@ -72,22 +74,30 @@ def local_maps(nodes: list[Node], places: np.ndarray, sigma: np.ndarray, side: f
     counted = np.isfinite(sigma) if np.isfinite(sigma).sum() > _ENOUGH else np.ones(count, dtype=bool)
     to_picture = projective_map("corners", grid.nodes[counted].astype(np.float64), places[counted])
     share = _bend_share(to_picture, grid.nodes, places, (sigma, side))
-    H = np.linalg.inv(to_picture)
-    perspective = H[2, :2] / (places @ H[2, :2] + H[2, 2])[:, None]
-    spread = grid.spread(
-        np.concatenate([places, grid.nodes.astype(np.float64), (1.0 / sigma)[:, None]], axis=1)
-    )
-    coefficients, information = np.full((count, 2, _TERMS), np.nan), np.zeros((count, 10, 10))
+    bend = _in_picture(to_picture, grid.nodes) - places
+    spread = grid.spread(np.concatenate([places, bend, (1.0 / sigma)[:, None]], axis=1))
     near = around(spread, _REACH)[:, *grid.at].copy()
     near[len(near) // 2, :, 4] = 0.0  # its own noise must not return by its map
     enough = (np.nan_to_num(near[..., 4]) > 0.0).sum(axis=0) >= _ENOUGH
-    enough &= _in_front(near, places, perspective)
+    to_board = np.linalg.inv(to_picture)
+    enough &= _in_front(near, places, to_board)
+    parts = [np.full((count, *shape), np.nan) for shape in ((2, 2), (2, 3), (2,), (2, 4))]
+    information = np.zeros((count, 10, 10))
     if enough.any():
-        coefficients[enough], information[enough] = _fitted(
-            near[:, enough], places[enough], grid.nodes[enough], perspective[enough], (side, share)
-        )
-    linear, square, cube = np.split(coefficients[..., 1:], [2, 5], axis=-1)
+        bends, certain = _bends(near[:, enough], places[enough], (side, share))
+        maps, to_px = _bent(to_board, places[enough], bends)
+        for part, found in zip(parts, maps, strict=True):
+            part[enough] = found
+        both = np.einsum("nab,nij->naibj", to_px, certain)
+        information[enough] = both.reshape(-1, 10, 10)
+    linear, square, perspective, cube = parts
     return LocalMaps(linear, square, perspective, cube, information)
+
+
+def _in_picture(to_picture: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Return where a homography has nodes (n, 2), px."""
+    xyw = homogeneous(nodes.astype(np.float64)) @ to_picture.T
+    return np.asarray(xyw[:, :2] / xyw[:, 2:])
 
 
 def _bend_share(
@@ -104,51 +114,101 @@ def _bend_share(
     if spare <= 0:
         return 1.0
     nodes, places, sigma = nodes[counted], places[counted], sigma[counted]
-    xyw = homogeneous(nodes.astype(np.float64)) @ to_picture.T
-    residual = places - xyw[:, :2] / xyw[:, 2:]
+    residual = places - _in_picture(to_picture, nodes)
     excess = float((residual**2 / sigma[:, None] ** 2).sum()) / spare - 1.0
     beyond = np.sqrt((max(excess, 0.0) + 3.0 * np.sqrt(2.0 / spare)) * float(np.median(sigma)) ** 2)
-    reach = float(np.sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean()))
-    return float(np.clip(beyond / (_TURN * reach**3 / (6.0 * side**2)), _LEAST_SHARE, 1.0))
+    left = _left_of_a_turn(to_picture, nodes, places) * _TURN / side**2
+    return float(np.clip(beyond / left, _LEAST_SHARE, 1.0)) if left > 0.0 else 1.0
 
 
-def _in_front(near: np.ndarray, places: np.ndarray, perspective: np.ndarray) -> np.ndarray:
+def _left_of_a_turn(to_picture: np.ndarray, nodes: np.ndarray, places: np.ndarray) -> float:
+    """Return the root mean square residual that a homography of nodes (n, 2) leaves of a lens's bend, px^3.
+
+    The bend is ``r |r|^2 / 6`` from the corners' middle on, whose third derivatives are up to 1. A homography
+    takes most of it: over a square of side 2 a, 0.15 a^3 is left of x^3.
+    """
+    plane = homogeneous(nodes.astype(np.float64))
+    xyw = plane @ to_picture.T
+    q, plane = xyw[:, :2] / xyw[:, 2:], plane / xyw[:, 2:]
+    none = np.zeros_like(plane)
+    tangent = np.concatenate(
+        [
+            np.concatenate([plane, none, -q[:, :1] * plane], axis=1),
+            np.concatenate([none, plane, -q[:, 1:] * plane], axis=1),
+        ]
+    )
+    away = places - places.mean(axis=0)
+    bend = (away * (away**2).sum(axis=1)[:, None] / 6.0).T.ravel()
+    size = np.linalg.norm(tangent, axis=0)
+    columns, kept, _ = np.linalg.svd(tangent / np.where(size > 0.0, size, 1.0), full_matrices=False)
+    columns = columns[:, kept > _ALIKE * kept[0]]
+    left = bend - columns @ (columns.T @ bend)
+    return float(np.sqrt((left**2).mean()))
+
+
+def _in_front(near: np.ndarray, places: np.ndarray, to_board: np.ndarray) -> np.ndarray:
     """Return for which places (n, 2) all that are near (k, n, 5) lie on the same side of the horizon."""
+    perspective = to_board[2, :2] / (places @ to_board[2, :2] + to_board[2, 2])[:, None]
     away = np.nan_to_num(near[..., :2] - places)
     return np.asarray((1.0 + (away * perspective).sum(axis=-1) > 0.0).all(axis=0))
 
 
-def _fitted(
-    near: np.ndarray,
-    places: np.ndarray,
-    nodes: np.ndarray,
-    perspective: np.ndarray,
-    lens: tuple[float, float],
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return coefficients (n, 2, 10) and information (n, 10, 10) from places, nodes and weights (k, n, 5)."""
+def _bends(near: np.ndarray, places: np.ndarray, lens: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Return coefficients (n, 2, 10) of what bends the homography's picture, px, by those near (k, n, 5).
+
+    And the information on those of first and second order, (n, 5, 5), the same along x and y. The bend is
+    where the homography has a corner less where it is, so that a lens alone, whatever the tilt of the board,
+    is what it tells; it is smooth in the picture, and not on the board.
+    """
     side, share = lens
     weight = np.nan_to_num(near[..., 4]).T
     known = weight > 0.0
     away = np.where(known[..., None], np.moveaxis(near[..., :2] - places, 0, 1), 0.0)
-    steps = np.where(known[..., None], np.moveaxis(near[..., 2:4] - nodes, 0, 1), 0.0)
+    bend = np.where(known[..., None], np.moveaxis(near[..., 2:4], 0, 1), 0.0)
     x, y = np.moveaxis(away, 2, 0)
-    over = 1.0 / (1.0 + np.einsum("nka,na->nk", away, perspective))
     second = [0.5 * x * x, x * y, 0.5 * y * y]
-    third = [x**3 / 6.0, 0.5 * x * x * y, 0.5 * x * y * y, y**3 / 6.0]
-    design = np.stack([np.ones_like(x), x * over, y * over, *second, *third], axis=-1)
+    design = np.stack([np.ones_like(x), x, y, *second, *_third_order(x, y)], axis=-1)
     beyond = share * _FOURTH * (x * x + y * y) ** 2 / side**3
     weighted = design * (known / (np.where(known, weight, 1.0) ** -2 + beyond**2))[..., None]
     normal = np.einsum("nki,nkj->nij", weighted, design)
-    # Bends in px are expected to be 0, with standard deviations.
+    # Bends are expected to be 0, with standard deviations.
     normal[:, range(3, _KEPT), range(3, _KEPT)] += (side / (share * _BEND)) ** 2
     normal[:, range(_KEPT, _TERMS), range(_KEPT, _TERMS)] += (side**2 / (share * _TURN)) ** 2
-    right = np.einsum("nki,nka->nia", weighted, steps)
+    right = np.einsum("nki,nka->nia", weighted, bend)
     size = np.sqrt(np.einsum("nii->ni", normal))
     scaled = normal / (size[:, None] * size[..., None])
     inverse = np.linalg.inv(scaled) / (size[:, None] * size[..., None])
     coefficients = np.einsum("nij,nja->nai", inverse, right)
-    # Errors in px are, along the board's axes, as the linear part has it.
-    M = coefficients[..., 1:3]
-    to_px = np.linalg.inv(M @ M.transpose(0, 2, 1))
-    information = np.einsum("nab,nij->naibj", to_px, np.linalg.inv(inverse[:, 1:_KEPT, 1:_KEPT]))
-    return coefficients, information.reshape(-1, 10, 10)
+    return coefficients, np.linalg.inv(inverse[:, 1:_KEPT, 1:_KEPT])
+
+
+def _third_order(x: np.ndarray, y: np.ndarray) -> list[np.ndarray]:
+    return [x**3 / 6.0, 0.5 * x * x * y, 0.5 * x * y * y, y**3 / 6.0]
+
+
+def _bent(
+    to_board: np.ndarray, places: np.ndarray, bends: np.ndarray
+) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]:
+    """Return linear, square, perspective and cube of :class:`LocalMaps` of a homography after bends.
+
+    And the information on a place on the board over that on one in the picture, (n, 2, 2).
+    """
+    middle = homogeneous(places + bends[..., 0]) @ to_board.T
+    depth, to = middle[:, 2:], middle[:, :2] / middle[:, 2:]
+    slope = (to_board[:2, :2] - to[..., None] * to_board[2, :2]) / depth[..., None]  # of the homography
+    horizon = to_board[2, :2] / depth
+    turned = np.eye(2) + bends[..., 1:3]
+    linear = slope @ turned
+    perspective = np.einsum("na,nai->ni", horizon, turned)
+    square = slope @ bends[..., 3:_KEPT]
+    # The slope of the homography changes along the bend: by -(h r) S - (S r) h to first order.
+    cube = slope @ bends[..., _KEPT:]
+    cube -= _of_product(perspective[:, None], square)
+    cube -= _of_product(linear, np.einsum("na,nai->ni", horizon, bends[..., 3:_KEPT])[:, None])
+    return (linear, square, perspective, cube), np.linalg.inv(slope @ slope.transpose(0, 2, 1))
+
+
+def _of_product(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return coefficients of third order (n, 2, 4) of a linear term (.., 2) times one of second order."""
+    (u, v), (a, b, c) = np.moveaxis(first, -1, 0), np.moveaxis(second, -1, 0)
+    return np.stack([3.0 * a * u, 2.0 * b * u + a * v, c * u + 2.0 * b * v, 3.0 * c * v], axis=-1)

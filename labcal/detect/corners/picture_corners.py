@@ -132,7 +132,7 @@ def refused_as_few(dots: PictureDots, placed: DotIndices, detail: str) -> Pictur
 def _added(fit: SettledCorner, settings: CornerSettings) -> np.ndarray:
     """Return the covariance of a fit's place that is not from noise, px squared, shape (2, 2)."""
     hard = hard_edge_covariance(fit, settings.min_blur_px)
-    return hard + fit.added if isinstance(fit, PrintedCorner) else hard
+    return hard + fit.shared if isinstance(fit, PrintedCorner) else hard
 
 
 def _judged(fits: Sequence[SettledCorner | None], settings: CornerSettings) -> list[CornerFit | None]:

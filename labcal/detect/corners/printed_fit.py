@@ -12,17 +12,19 @@ from labcal.detect.corners.printed_kernel import (
     FREE,
     LocalMap,
     PrintLines,
+    empty_rows,
     fill_printed,
     settled_print,
 )
 from labcal.detect.corners.printed_window import print_pixels
+from labcal.detect.corners.uncovered import uncovered
 from labcal.detect.grey import GreyPicture
 from labcal.detect.row_products import filled_up
 from labcal.detect.stage_settings.corner import CornerSettings
 
 _NO_GAP = np.full(2, 1e6)
-_MODEL_ERROR_PX = 0.0015
-"""Error of the corners of drawn pictures without noise, along either axis: what the model leaves."""
+_LEAST_SEEN = 0.25
+"""Of the pixels around a corner, that nothing covers, for a fit by these."""
 _LEAST_NOISE = 0.1
 """Of a pixel, grey values: in drawings there is none, but a rounding."""
 
@@ -37,6 +39,8 @@ class PrintedCorner(SettledCorner):
     print_ : PrintLines
     prior : ndarray, shape (FREE, FREE)
         Information on the fit's parameters from the corners around, over that of a pixel.
+    whole : bool
+        True if no pixels around it were left out as covered.
     shared : ndarray, shape (2, 2)
         Covariance of its place by what all corners of a board share, px squared.
     """
@@ -44,12 +48,8 @@ class PrintedCorner(SettledCorner):
     around: LocalMap = None  # type: ignore[assignment]
     print_: PrintLines = None  # type: ignore[assignment]
     prior: np.ndarray = None  # type: ignore[assignment]
+    whole: bool = True
     shared: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
-
-    @property
-    def added(self) -> np.ndarray:
-        """Covariance of its place that is not from its own pixels' noise, px squared, shape (2, 2)."""
-        return np.asarray(self.shared + _MODEL_ERROR_PX**2 * np.eye(2))
 
     def judged(self, settings: CornerSettings) -> CornerFit | None:
         """Return the fit with its uncertainty; None where there are too few pixels for one."""
@@ -71,6 +71,7 @@ def fit_print(
     place: tuple[LocalMap, np.ndarray],
     print_: tuple[PrintLines, float],
     settings: CornerSettings,
+    roughest: float = np.inf,
 ) -> PrintedCorner | None:
     """Fit ``(1 + g d) (m + h X)`` to all pixels nearer to a corner than to the next ones, by Gauss-Newton.
 
@@ -89,6 +90,8 @@ def fit_print(
     print_ : (PrintLines, float)
         And the share of ``1 - X^2`` that a tone curve adds to the pattern X.
     settings : CornerSettings
+    roughest : float
+        Noise over the step, beyond which pixels are taken for covered and left out.
 
     Returns
     -------
@@ -100,9 +103,19 @@ def fit_print(
     mask, offset, value = print_pixels(
         grey, centre, around, (settings.wide_reach_squares, settings.max_reach_px)
     )
+    state = np.concatenate([np.zeros(2), np.arctan2(M[:, 1], M[:, 0]), first.state[4:PARAMETERS], [tone]])
+    whole = roughest == np.inf
+    if not whole:
+        rows = empty_rows(len(value))
+        fill_printed(state, (offset, value), around, lines, rows)
+        noise, blur = max(roughest * first.step, _LEAST_NOISE), float(state[4:6].max())
+        seen = uncovered(mask, rows[0], noise, blur)
+        if seen.mean() < _LEAST_SEEN:
+            return None
+        mask[mask] = seen
+        offset, value = np.ascontiguousarray(offset[:, seen]), value[seen]
     if len(value) < settings.min_pixels:
         return None
-    state = np.concatenate([np.zeros(2), np.arctan2(M[:, 1], M[:, 0]), first.state[4:PARAMETERS], [tone]])
     prior = np.zeros((FREE, FREE))
     noise = max(first.roughness * first.step, _LEAST_NOISE)
     prior[-len(place[1]) :, -len(place[1]) :] = noise**2 * place[1]
@@ -115,6 +128,7 @@ def fit_print(
     if float(np.hypot(*state[:2])) > settings.max_refit_blurs * blur:
         return None
     window = CornerPixels(mask, offset, value, _NO_GAP)
+    roughness = rms / (2.0 * float(state[7]))
     return PrintedCorner(
-        state, window, centre, rms / (2.0 * float(state[7])), FREE, around=around, print_=lines, prior=prior
+        state, window, centre, roughness, FREE, around=around, print_=lines, prior=prior, whole=whole
     )

@@ -51,9 +51,9 @@ def printed_corners(
     errors = PrintErrors.none(design)
     for number in range(_MOST_ROUNDS):
         print_ = errors.of(design).lines, errors.tone
-        printed = _clear(_by_print(grey, print_, fits, settings), settings.clear_roughness_factor)
+        printed = _by_print(grey, print_, fits, settings)
         fits = first | {node: with_print_errors(design, errors, fit) for node, fit in printed.items()}
-        before, errors = errors, print_errors(design, errors, printed.values())
+        before, errors = errors, print_errors(design, errors, [fit for fit in printed.values() if fit.whole])
         if number + 1 >= _ROUNDS and errors is before:
             break
     fits = _as_printed(first, fits, settings.clear_roughness_factor)
@@ -81,7 +81,7 @@ def _by_print(
     grid, maps = NodeGrid.of(nodes), local_maps(nodes, places, sigma, float(max(grey.shape)))
     white = np.array([fit.state[6] + fit.state[7] for fit in fits.values()])
     slopes = light_slopes(grid, places, np.where(white > 0.0, white, np.nan), (_LIGHT_NODES, _FEWEST))
-    found = {}
+    found, places_on = {}, {}
     for k in np.flatnonzero(maps.known & np.isfinite(slopes[:, 0])).tolist():
         around = LocalMap(
             np.array(nodes[k], dtype=np.float64),
@@ -89,12 +89,20 @@ def _by_print(
         )
         first = fits[nodes[k]]
         state = np.concatenate([first.state[:8], slopes[k]])
-        printed = fit_print(
-            grey, replace(first, state=state), (around, maps.information[k]), print_, settings
-        )
+        begin = replace(first, state=state)
+        places_on[nodes[k]] = begin, (around, maps.information[k])
+        printed = fit_print(grey, *places_on[nodes[k]], print_, settings)
         if printed is not None:
             found[nodes[k]] = printed
-    return found
+    unhidden = _clear(found, settings.clear_roughness_factor)
+    if not unhidden:
+        return {}
+    usual = float(np.median([fit.roughness for fit in unhidden.values()]))
+    for node in [node for node in places_on if node not in unhidden]:
+        printed = fit_print(grey, *places_on[node], print_, settings, usual)
+        if printed is not None:
+            found[node] = printed
+    return _clear(found, settings.clear_roughness_factor)
 
 
 def _sigma(fit: SettledCorner, settings: CornerSettings) -> float:

@@ -11,6 +11,7 @@ from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
 from labcal.detect.corners.corner_kernel import CHESSBOARD, pattern_values
 from labcal.detect.corners.corner_model import CornerPixels, linearise
 from labcal.detect.corners.local_maps import local_maps
+from labcal.detect.corners.uncovered import uncovered
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
@@ -24,7 +25,7 @@ BOARD = load_target("charuco-12x9").model_copy(update={"squares": (7, 5)})
 SIZE = (400, 300)
 K = np.array([[420.0, 0, 199.5], [0, 424.0, 149.5], [0, 0, 1]])
 DIST = np.array([-0.2, 0.05, 0, 0, 0])
-FINE, PER_MM, MARGIN = 4, 20, 200
+FINE, PER_MM, MARGIN = 8, 20, 200
 FAR = np.array([99.0, 99.0])  # there are no markers
 
 
@@ -44,17 +45,24 @@ def draw(T: np.ndarray, board=BOARD, noise: float = 2.0, seed: int = 0) -> np.nd
     across, up = board.squares
     art = opencv_board(board).generateImage((across * 20 * PER_MM, up * 20 * PER_MM))
     art = cv2.copyMakeBorder(art, *[MARGIN] * 4, cv2.BORDER_CONSTANT, value=255).astype(np.float32)
-    art = cv2.GaussianBlur(art, (0, 0), 0.25 * T[2, 3] / K[0, 0] * PER_MM)  # or edges would be stairs
-    x, y = ((np.arange(n * FINE) + 0.5) / FINE - 0.5 for n in SIZE)
+    # Rays of the pixels' centres, one more on each side; between them, places on the board change in a line.
+    x, y = (np.arange(-1.0, n + 1.0) for n in SIZE)
     q = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 1, 2)
-    rays = cv2.undistortPoints(q, K, DIST, criteria=(3, 10, 1e-8)).reshape(-1, 2)
+    rays = cv2.undistortPoints(q, K, DIST, criteria=(3, 20, 1e-10)).reshape(-1, 2)
     on_board = np.linalg.inv(T[:3, [0, 1, 3]]) @ np.concatenate([rays, np.ones((len(rays), 1))], axis=1).T
-    places = (on_board[:2] / on_board[2]).astype(np.float32)
+    places = (on_board[:2] / on_board[2]).reshape(2, SIZE[1] + 2, SIZE[0] + 2)
     # labcal's origin is the lower left inner corner; OpenCV draws from the upper left one of the board.
-    column = ((places[0] + 20.0) * PER_MM - 0.5 + MARGIN).reshape(SIZE[1] * FINE, SIZE[0] * FINE)
-    line = (((up - 1) * 20.0 - places[1]) * PER_MM - 0.5 + MARGIN).reshape(column.shape)
+    column, line = (
+        cv2.resize(one.astype(np.float32), None, fx=FINE, fy=FINE)[FINE:-FINE, FINE:-FINE]
+        for one in (
+            (places[0] + 20.0) * PER_MM - 0.5 + MARGIN,
+            ((up - 1) * 20.0 - places[1]) * PER_MM - 0.5 + MARGIN,
+        )
+    )
     seen = 12 + 188 / 255 * cv2.remap(art, column, line, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    seen *= 1 - 0.15 * (q[..., 0] / SIZE[0] + q[..., 1] / SIZE[1]).reshape(seen.shape)
+    x, y = ((np.arange(n * FINE) + 0.5) / FINE - 0.5 for n in SIZE)
+    seen *= (1 - 0.15 * (x / SIZE[0] + y[:, None] / SIZE[1])).astype(np.float32)
+    # The lens alone blurs, before the pixels: a blur of the artwork is not the same along both axes.
     picture = cv2.GaussianBlur(seen, (0, 0), 0.6 * FINE).astype(np.float64)
     picture = picture.reshape(SIZE[1], FINE, SIZE[0], FINE).mean(axis=(1, 3))
     return picture + np.random.default_rng(seed).normal(0, noise, picture.shape)
@@ -97,11 +105,7 @@ def test_normalised_errors_pass_a_chi_square_test() -> None:
     ("kind", "noise"),
     [
         (PictureKind("grey", bayer=False, jpeg_quality=None), SensorNoise("strong", 2000.0, 60.0)),
-        pytest.param(
-            PictureKind("grey, JPEG", bayer=False, jpeg_quality=75),
-            SensorNoise("none", 6000.0, None),
-            marks=pytest.mark.xfail(reason="stated 1.3 times too large: JPEG alone, no noise", strict=True),
-        ),
+        (PictureKind("grey, JPEG", bayer=False, jpeg_quality=75), SensorNoise("none", 6000.0, None)),
         (PictureKind("Bayer, JPEG", bayer=True, jpeg_quality=95), SensorNoise("usual", 6000.0, 8.0)),
     ],
     ids=lambda one: one.name,
@@ -368,4 +372,17 @@ def test_maps_around_corners_follow_a_lens_and_perspective() -> None:
         cube = np.array([x**3 / 6.0, 0.5 * x * x * y, 0.5 * x * y * y, y**3 / 6.0])
         step = maps.linear[k] @ r / (1.0 + maps.perspective[k] @ r)
         step = step + maps.square[k] @ square + maps.cube[k] @ cube
-        assert np.abs(step - [0.3, -0.3]).max() < 0.004, node  # at the rim they are extrapolated
+        at_rim = node[0] in (0, 5) or node[1] in (0, 3)
+        # At the rim they are extrapolated; bends on the board, which is tilted, leave 2.5e-4 further in.
+        assert np.abs(step - [0.3, -0.3]).max() < (0.004 if at_rim else 1e-4), node
+
+
+def test_pixels_that_something_covers_are_left_out_and_no_others() -> None:
+    mask = np.hypot(*(np.mgrid[:41, :41] - 20.0)) < 20.0
+    residual = np.random.default_rng(0).normal(0.0, 2.0, mask.shape)
+    assert uncovered(mask, residual[mask], 2.0, 0.8).all()
+    residual[:, 30:] += 9.0
+    columns = np.broadcast_to(np.arange(41), mask.shape)[mask]
+    seen = uncovered(mask, residual[mask], 2.0, 0.8)
+    assert not seen[columns >= 29].any()  # what is covered, and its blurred edge
+    assert seen[columns < 22].all()
