@@ -1,6 +1,7 @@
 """Statuses one by one: the smallest pictures that should get each, and what their words say."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import cv2
@@ -160,3 +161,9 @@ def test_hardly_measured_dots_are_counted_by_their_flags(make_board: MakeBoard) 
     assert dots.refusal in (Refusal.NO_USABLE_DOTS, Refusal.SATURATED)
     if dots.refusal is Refusal.NO_USABLE_DOTS:
         assert "measured; not measured: " in dots.why
+
+
+def test_the_guide_has_a_row_for_every_refusal() -> None:
+    guide = Path(__file__).parents[3] / "docs" / "how-to" / "read-flags-and-refusals.md"
+    rows = [line for line in guide.read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
+    assert [one.value for one in Refusal if not any(f"`{one.value}`" in row for row in rows)] == []
