@@ -9,6 +9,8 @@ from labcal.report.values import Measured, Words
 _MOST = 100
 """Of comparisons of a claim."""
 Probability = Annotated[float, Field(ge=0.0, le=1.0)]
+Factor = Annotated[float, Field(ge=1.0, le=1000.0)]
+"""Of a statement about a ratio."""
 
 
 class ComparisonResult(BaseModel):
@@ -24,7 +26,7 @@ class ComparisonResult(BaseModel):
     figure: Words
     statement: Words
     """Of the ratio: at most, more than, or equivalent to 1 within `factor`."""
-    factor: float
+    factor: Factor
     pairs: int
     """Number of seeds."""
     ratio: Measured

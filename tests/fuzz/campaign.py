@@ -149,7 +149,7 @@ def judged(
 
 _HARMLESS = re.compile(
     r"(description|caption|reading|phase_deg|direction_deg|random_state|rotation_deg_s|turn_deg|seconds|epochs"
-    r"|_m\b|_mm\.|rel\b|max_mm|rmse_mm|p95_mm|mae_mm|further_rmse|mean_signed|effect|interval|goal|points|seeds)"
+    r"|_m\b|_mm\.|rel\b|max_mm|rmse_mm|p95_mm|mae_mm|further_rmse|mean_signed|effect|ratio|interval|goal|points|seeds)"
 )
 
 
