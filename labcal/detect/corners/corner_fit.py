@@ -146,44 +146,6 @@ def widened_with_light(
     return _settled_corners(fits, which.tolist(), places, LIGHT_KNOWN)
 
 
-def with_known_light(
-    wide: Sequence[SettledCorner], slopes: np.ndarray, bends: np.ndarray, settings: CornerSettings
-) -> list[SettledCorner | None]:
-    """Return wide fits with the slope of the light and the bend of their edges as they are known.
-
-    Parameters
-    ----------
-    wide : sequence of SettledCorner
-    slopes : ndarray, shape (n, 2)
-        At the corners.
-    bends : ndarray, shape (n, 2)
-    settings : CornerSettings
-
-    Returns
-    -------
-    list of SettledCorner or None
-        None where it does not converge.
-    """
-    if not wide:
-        return []
-    windows = [one.window for one in wide]
-    states = np.array([one.state for one in wide])
-    states[:, LIGHT_KNOWN:] = _lights(states, slopes)
-    patterns = np.array([window.pattern for window in windows])
-    limits = settings.limits(WiderLimits), settings.limits(FitLimits)
-    rms = light_fits((pack(windows), np.arange(len(wide)), patterns), bends, states, limits).tolist()
-    found: list[SettledCorner | None] = []
-    for one, state, bend, left in zip(wide, states, bends, rms, strict=True):
-        step = 2.0 * float(state[7])
-        if left < 0.0 or step <= 0.0:
-            found.append(None)
-            continue
-        old = one.window
-        window = CornerPixels(old.mask, old.offset, old.value, old.gap, old.pattern, bend)
-        found.append(SettledCorner(state, window, one.start, left / step, LIGHT_KNOWN))
-    return found
-
-
 def _lights(states: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """Return the slopes of the light as states have them: their light is 1 where the fit began."""
     return np.asarray(slopes / (1.0 - (slopes * states[:, :2]).sum(axis=1))[:, None])

@@ -1,13 +1,8 @@
-"""Fits of corners with the slope of the light that the white levels of the corners around them tell."""
-
-from collections.abc import Mapping
+"""The slope of the light that the white levels of the corners around a corner tell."""
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import SettledCorner, with_known_light
 from labcal.detect.corners.node_grid import NodeGrid, around
-from labcal.detect.lattice.lattice import Node
-from labcal.detect.stage_settings.corner import CornerSettings
 
 _FLAT = 1e-6
 """Least determinant of the normal equations, scaled, of nodes that are not on one line."""
@@ -57,35 +52,3 @@ def _slopes_of(near: np.ndarray, places: np.ndarray, fewest: int) -> np.ndarray:
     if enough.any():
         slopes[enough] = np.linalg.solve(normal[enough], right[enough][..., None])[:, 1:, 0]
     return np.asarray(slopes / scale[:, None])
-
-
-def known_light_fits(
-    fits: Mapping[Node, SettledCorner],
-    wide: Mapping[Node, SettledCorner],
-    known: tuple[np.ndarray, np.ndarray],
-    settings: CornerSettings,
-) -> dict[Node, SettledCorner]:
-    """Return wide fits with the light and the bend of their edges as they are known.
-
-    Parameters
-    ----------
-    fits : mapping of (col, row) to SettledCorner
-        First fits, which corners keep where light or bend is not known.
-    wide : mapping of (col, row) to SettledCorner
-    known : (ndarray, ndarray), shape (n, 2) each
-        Slope of the light and bend of either edge at the corners of `wide`, 1/px; NaN where unknown.
-    settings : CornerSettings
-
-    Returns
-    -------
-    dict of (col, row) to SettledCorner
-        Without those that do not converge.
-    """
-    slopes, bends = known
-    determined = np.isfinite(slopes).all(axis=1) & np.isfinite(bends).all(axis=1)
-    some = [one for one, is_found in zip(wide.values(), determined, strict=True) if is_found]
-    found = iter(with_known_light(some, slopes[determined], bends[determined], settings))
-    chosen = {
-        node: next(found) if is_found else fits[node] for node, is_found in zip(wide, determined, strict=True)
-    }
-    return {node: fit for node, fit in chosen.items() if fit is not None}

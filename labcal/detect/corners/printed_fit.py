@@ -29,7 +29,7 @@ _LEAST_NOISE = 0.1
 """Of a pixel, grey values: in drawings there is none, but a rounding."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PrintedCorner(SettledCorner):
     """A fit of a corner by all of the print around it.
 
@@ -45,9 +45,9 @@ class PrintedCorner(SettledCorner):
         Covariance of its place by what all corners of a board share, px squared.
     """
 
-    around: LocalMap = None  # type: ignore[assignment]
-    print_: PrintLines = None  # type: ignore[assignment]
-    prior: np.ndarray = None  # type: ignore[assignment]
+    around: LocalMap
+    print_: PrintLines
+    prior: np.ndarray
     whole: bool = True
     shared: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
 
