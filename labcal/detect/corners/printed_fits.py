@@ -49,13 +49,17 @@ def printed_corners(
         return corners
     fits, design = first, board_print(board)
     errors = PrintErrors.none(design)
-    for number in range(_MOST_ROUNDS):
+    for number in range(1, _MOST_ROUNDS + 1):
         print_ = errors.of(design).lines, errors.tone
         printed = _by_print(grey, print_, fits, settings)
-        fits = first | {node: with_print_errors(design, errors, fit) for node, fit in printed.items()}
-        before, errors = errors, print_errors(design, errors, [fit for fit in printed.values() if fit.whole])
-        if number + 1 >= _ROUNDS and errors is before:
+        fits = first | printed
+        if number == _MOST_ROUNDS:
             break
+        found = print_errors(design, errors, [fit for fit in printed.values() if fit.whole])
+        if number >= _ROUNDS and found is errors:
+            break
+        errors = found
+    fits |= {node: with_print_errors(design, errors, fit) for node, fit in printed.items()}
     fits = _as_printed(first, fits, settings.clear_roughness_factor)
     found = [fits.get(node) for node in nodes]
     seen_at = [

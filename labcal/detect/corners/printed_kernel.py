@@ -8,10 +8,20 @@ import numpy as np
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 from labcal.detect.corners.corner_kernel import FitLimits
-from labcal.detect.corners.printed_profile import MOST_OBLIQUE, Axis, near_lines, quadrature, write_profile
+from labcal.detect.corners.printed_profile import (
+    MOST_OBLIQUE,
+    Axis,
+    near_lines,
+    quadrature,
+    seen_lines,
+    write_profile,
+)
+from labcal.detect.row_products import add_own_products, filled_up
 
 FREE = 16
 """Free parameters: corner 2, blurs 2, mean, half step, and the coefficients of both axes' map, 5 each."""
+ROWS = FREE + 2
+"""Of a table of these and the residuals behind them: whole tiles of products."""
 _OWN, _TERMS, _LINEAR = 6, 5, 2
 _OF_STATE = np.array([0, 1, 4, 5, 6, 7])
 """Their places among the ten of a chessboard's corner."""
@@ -162,7 +172,7 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
     offset, value = pixels
     residual, jacobian, board, off_edges = rows
     mean, half, gx, gy, tone = state[6], state[7], state[8], state[9], state[10]
-    h, terms = around.perspective, np.empty(_TERMS)
+    h, terms, off_all = around.perspective, np.empty(_TERMS), sqrt(-2.0 * log(_FLAT))
     # A blur that runs away may reach all lines.
     across, down = np.empty((4, len(print_.x) + 1)), np.empty((4, len(print_.y) + 1))
     nodes = quadrature(most_correlated(offset, around))
@@ -176,6 +186,7 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
         terms[0], terms[1] = x * away, y * away
         terms[2], terms[3], terms[4] = 0.5 * x * x, x * y, 0.5 * y * y
         near_x, near_y = near_lines(first, print_.x, nearest_x), near_lines(second, print_.y, nearest_y)
+        near_x, near_y = seen_lines(near_x, near_y, print_.cells)
         many_x, many_y = near_x[1] - near_x[0], near_y[1] - near_y[0]
         X = by_x = by_y = by_blur0 = by_blur1 = 0.0
         if many_x == 0 and many_y == 0:
@@ -217,6 +228,9 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
             jacobian[_OWN + _TERMS + term, k] = height * by_y * terms[term]
         residual[k] = value[k] - light * plain
         board[k] = X
+        if by_x == 0.0 and by_y == 0.0:
+            off_edges[k] = off_all
+            continue
         steepest = max(abs(by_x) * first.blur, abs(by_y) * second.blur) / _STEEPEST
         off_edges[k] = sqrt(-2.0 * log(min(max(steepest, _FLAT), 1.0)))
 
@@ -237,14 +251,18 @@ def settled_print(
     """
     around, print_, prior = place
     n = len(pixels[1])
-    rows = empty_rows(n)
+    table, normal = np.zeros((ROWS, filled_up(n))), np.empty((ROWS, ROWS))
+    rows = table[FREE], table[:FREE], np.empty(n), np.empty(n)
     change, gradient, moved = np.empty(FREE), np.empty(FREE), np.zeros(FREE)
     for _ in range(limits.max_iterations):
         fill_printed(state, pixels, around, print_, rows)
-        residual, jacobian = rows[0], rows[1]
-        normal = jacobian @ jacobian.T + prior
+        normal[:] = 0.0
+        add_own_products(table, table.shape[1], normal)
+        squares = normal[FREE, FREE]
         for i in range(FREE):
-            change[i] = (jacobian[i] * residual).sum() - (prior[i] * moved).sum()
+            change[i] = normal[FREE, i] - (prior[i] * moved).sum()
+            for j in range(i + 1):
+                normal[i, j] += prior[i, j]
             normal[i, i] *= 1.0 + _RIDGE
         gradient[:] = change
         if not factorise(normal, FREE, _SINGULAR):
@@ -267,6 +285,5 @@ def settled_print(
             else:
                 around.square[axis, term - _LINEAR] += change[i] / far
         if max(abs(change[0]), abs(change[1])) < tolerance:
-            squares = (residual * residual).sum() - (change * gradient).sum()
-            return sqrt(max(squares, 0.0) / n)
+            return sqrt(max(squares - (change * gradient).sum(), 0.0) / n)
     return -1.0

@@ -10,7 +10,7 @@ from labcal.detect.corners.printed_kernel import (
     most_correlated,
     seen_place,
 )
-from labcal.detect.corners.printed_profile import near_lines, quadrature, write_profile
+from labcal.detect.corners.printed_profile import near_lines, quadrature, seen_lines, write_profile
 
 
 @compiled
@@ -45,6 +45,7 @@ def line_derivatives(
         seen = seen_place(state, around, offset[0, k] - state[0], offset[1, k] - state[1])
         near_x = near_lines(seen.first, print_.x, int(np.searchsorted(print_.x, seen.first.place)))
         near_y = near_lines(seen.second, print_.y, int(np.searchsorted(print_.y, seen.second.place)))
+        near_x, near_y = seen_lines(near_x, near_y, print_.cells)
         many_x, many_y = near_x[1] - near_x[0], near_y[1] - near_y[0]
         if many_x == 0 and many_y == 0:
             continue
