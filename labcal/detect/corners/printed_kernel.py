@@ -7,6 +7,7 @@ import numpy as np
 
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
+from labcal.detect.corners.corner_judgement import JudgementLimits, place_error
 from labcal.detect.corners.corner_kernel import FitLimits
 from labcal.detect.corners.printed_profile import (
     MOST_OBLIQUE,
@@ -241,15 +242,15 @@ def settled_print(
     pixels: tuple[np.ndarray, np.ndarray],
     place: tuple[LocalMap, PrintLines, np.ndarray],
     tolerance: float,
-    limits: FitLimits,
-) -> float:
+    settings: tuple[FitLimits, JudgementLimits],
+) -> tuple[float, float]:
     """Iterate a state and its map, in place, to the least squares; return the root mean square residual.
 
-    It is as the last step leaves it by the linear model, and negative if the state runs away. `place` holds,
-    besides, the information on the map's coefficients, (2, 5, 2, 5), over that of a pixel. It ends at a step
-    of `tolerance`, px.
+    It is as the last step leaves it by the linear model, and negative if the state runs away. And the error
+    of the place along either axis, px. `place` holds, besides, the information on the map's coefficients,
+    (2, 5, 2, 5), over that of a pixel. It ends at a step of `tolerance`, px.
     """
-    around, print_, prior = place
+    (around, print_, prior), (limits, judgement) = place, settings
     n = len(pixels[1])
     table, normal = np.zeros((ROWS, filled_up(n))), np.empty((ROWS, ROWS))
     rows = table[FREE], table[:FREE], np.empty(n), np.empty(n)
@@ -266,10 +267,10 @@ def settled_print(
             normal[i, i] *= 1.0 + _RIDGE
         gradient[:] = change
         if not factorise(normal, FREE, _SINGULAR):
-            return -1.0
+            return -1.0, np.inf
         solve(normal, change)
         if not np.isfinite(change).all():
-            return -1.0
+            return -1.0, np.inf
         far = max(hypot(change[0], change[1]) / limits.max_step_px, 1.0)
         for i in range(_OWN):
             at = _OF_STATE[i]
@@ -285,5 +286,8 @@ def settled_print(
             else:
                 around.square[axis, term - _LINEAR] += change[i] / far
         if max(abs(change[0]), abs(change[1])) < tolerance:
-            return sqrt(max(squares - (change * gradient).sum(), 0.0) / n)
-    return -1.0
+            rms = sqrt(max(squares - (change * gradient).sum(), 0.0) / n)
+            for i in range(FREE):
+                table[FREE] -= change[i] * table[i]
+            return rms, place_error(table, rows[2], (normal, prior), judgement)
+    return -1.0, np.inf
