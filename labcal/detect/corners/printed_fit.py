@@ -11,12 +11,12 @@ from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.corners.printed_kernel import (
     FREE,
     ROWS,
-    LocalMap,
     PrintLines,
     empty_rows,
     fill_printed,
     settled_print,
 )
+from labcal.detect.corners.printed_place import LocalMap
 from labcal.detect.corners.printed_window import print_pixels
 from labcal.detect.corners.uncovered import uncovered
 from labcal.detect.grey import GreyPicture

@@ -13,7 +13,8 @@ from labcal.detect.corners.local_maps import local_maps
 from labcal.detect.corners.node_grid import NodeGrid, median_around
 from labcal.detect.corners.print_errors import PrintErrors, print_errors, with_print_errors
 from labcal.detect.corners.printed_fit import PrintedCorner, fit_print
-from labcal.detect.corners.printed_kernel import LocalMap, PrintLines
+from labcal.detect.corners.printed_kernel import PrintLines
+from labcal.detect.corners.printed_place import LocalMap
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings

@@ -9,8 +9,15 @@ from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 from labcal.detect.corners.corner_judgement import JudgementLimits, place_error
 from labcal.detect.corners.corner_kernel import FitLimits
+from labcal.detect.corners.printed_place import (
+    LocalMap,
+    blend_at,
+    most_correlated,
+    seen_place,
+    unlit_place,
+    widest_blurs,
+)
 from labcal.detect.corners.printed_profile import (
-    MOST_OBLIQUE,
     Axis,
     near_lines,
     quadrature,
@@ -34,25 +41,6 @@ _RIDGE = 1e-9
 _SINGULAR = 1e-12
 
 
-class LocalMap(NamedTuple):
-    """Map from offsets (px) from a corner to places on the print, in squares.
-
-    ``at + M r / (1 + h r) + (q0 x^2 / 2 + q1 x y + q2 y^2 / 2)`` along each axis, and of third order
-    ``c0 x^3 / 6 + c1 x^2 y / 2 + c2 x y^2 / 2 + c3 y^3 / 6``.
-    """
-
-    at: np.ndarray
-    """(2,), of the corner."""
-    linear: np.ndarray
-    """(2, 2)."""
-    square: np.ndarray
-    """(2, 3)."""
-    perspective: np.ndarray
-    """(2,), h; known."""
-    cube: np.ndarray
-    """(2, 4); known."""
-
-
 class PrintLines(NamedTuple):
     """A print of cells between lines."""
 
@@ -71,82 +59,6 @@ Rows = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 def empty_rows(n: int) -> Rows:
     """Return arrays for that many pixels."""
     return np.empty(n), np.empty((FREE, n)), np.empty(n), np.empty(n)
-
-
-@compiled
-def most_correlated(offset: np.ndarray, around: LocalMap) -> float:
-    """Return the largest correlation of the blurs along both axes, about, at pixels (2, n) of a window."""
-    M, h = around.linear, around.perspective
-    x, y = np.abs(offset[0]).max(), np.abs(offset[1]).max()
-    most = 0.0
-    for across in (-1.0, 0.0, 1.0):
-        for down in (-1.0, 0.0, 1.0):
-            # Half way to the corners of the rectangle, which is wider than the window.
-            along, up = 0.5 * across * x, 0.5 * down * y
-            away = 1.0 / max(1.0 + h[0] * along + h[1] * up, 0.1)
-            plain = M @ np.array([along, up]) * away
-            px, py = M[0, 0] - plain[0] * h[0], M[0, 1] - plain[0] * h[1]
-            qx, qy = M[1, 0] - plain[1] * h[0], M[1, 1] - plain[1] * h[1]
-            most = max(most, abs(px * qx + py * qy) / (hypot(px, py) * hypot(qx, qy)))
-    return most
-
-
-class SeenPlace(NamedTuple):
-    """A pixel's place on the print, with the slopes of the map there."""
-
-    first: Axis
-    second: Axis
-    slopes: tuple[float, float, float, float]
-    """Of both places by x and y, 1/px."""
-    moved: tuple[float, float]
-    """Of both places by the slope of the light, over the blurs in px."""
-
-
-@compiled
-def seen_place(state: np.ndarray, around: LocalMap, x: float, y: float) -> SeenPlace:
-    """Return the place that is seen at an offset from the corner, px."""
-    M, Q, h = around.linear, around.square, around.perspective
-    gx, gy = state[8], state[9]
-    away = 1.0 / (1.0 + h[0] * x + h[1] * y)
-    plain_x, plain_y = (M[0, 0] * x + M[0, 1] * y) * away, (M[1, 0] * x + M[1, 1] * y) * away
-    px = (M[0, 0] - plain_x * h[0]) * away + Q[0, 0] * x + Q[0, 1] * y
-    py = (M[0, 1] - plain_x * h[1]) * away + Q[0, 1] * x + Q[0, 2] * y
-    qx = (M[1, 0] - plain_y * h[0]) * away + Q[1, 0] * x + Q[1, 1] * y
-    qy = (M[1, 1] - plain_y * h[1]) * away + Q[1, 1] * x + Q[1, 2] * y
-    bent_x = 0.5 * Q[0, 0] * x * x + Q[0, 1] * x * y + 0.5 * Q[0, 2] * y * y
-    bent_y = 0.5 * Q[1, 0] * x * x + Q[1, 1] * x * y + 0.5 * Q[1, 2] * y * y
-    c = around.cube
-    by_x, by_xy, by_y = 0.5 * x * x, x * y, 0.5 * y * y
-    px += c[0, 0] * by_x + c[0, 1] * by_xy + c[0, 2] * by_y
-    py += c[0, 1] * by_x + c[0, 2] * by_xy + c[0, 3] * by_y
-    qx += c[1, 0] * by_x + c[1, 1] * by_xy + c[1, 2] * by_y
-    qy += c[1, 1] * by_x + c[1, 2] * by_xy + c[1, 3] * by_y
-    bent_x += ((c[0, 0] * x + 3.0 * c[0, 1] * y) * by_x + (3.0 * c[0, 2] * x + c[0, 3] * y) * by_y) / 3.0
-    bent_y += ((c[1, 0] * x + 3.0 * c[1, 1] * y) * by_x + (3.0 * c[1, 2] * x + c[1, 3] * y) * by_y) / 3.0
-    # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves all edges.
-    moved0, moved1 = state[4] * (px * gx + py * gy), state[5] * (qx * gx + qy * gy)
-    first2, second2 = px * px + py * py, qx * qx + qy * qy
-    # Half the second derivative along the normal, over the squared slope.
-    across_x = 0.5 * (Q[0, 0] * px * px + Q[0, 2] * py * py) + Q[0, 1] * px * py
-    across_y = 0.5 * (Q[1, 0] * qx * qx + Q[1, 2] * qy * qy) + Q[1, 1] * qx * qy
-    first_bend = (across_x / first2 - away * (h[0] * px + h[1] * py)) / first2
-    second_bend = (across_y / second2 - away * (h[0] * qx + h[1] * qy)) / second2
-    return SeenPlace(
-        Axis(around.at[0] + plain_x + bent_x + state[4] * moved0, state[4] * sqrt(first2), first_bend),
-        Axis(around.at[1] + plain_y + bent_y + state[5] * moved1, state[5] * sqrt(second2), second_bend),
-        (px, py, qx, qy),
-        (moved0, moved1),
-    )
-
-
-@compiled
-def blend_at(slopes: tuple[float, float, float, float]) -> tuple[float, float, float]:
-    """Return shares of the blurs along a node's diagonal, with a sign for the second, and along the axes."""
-    px, py, qx, qy = slopes
-    correlation = (px * qx + py * qy) / (hypot(px, py) * hypot(qx, qy))
-    size = min(abs(correlation), MOST_OBLIQUE)
-    along = sqrt(size)
-    return along, along if correlation > 0.0 else -along, sqrt(1.0 - size)
 
 
 @compiled
@@ -177,10 +89,24 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
     # A blur that runs away may reach all lines.
     across, down = np.empty((4, len(print_.x) + 1)), np.empty((4, len(print_.y) + 1))
     nodes = quadrature(most_correlated(offset, around))
+    widest = widest_blurs(state, offset, around)
     nearest_x = np.searchsorted(print_.x, around.at[0])
     nearest_y = np.searchsorted(print_.y, around.at[1])
     for k in range(len(value)):
         x, y = offset[0, k] - state[0], offset[1, k] - state[1]
+        place_x, place_y = unlit_place(around, x, y)
+        near_x = near_lines(Axis(place_x, widest[0], 0.0), print_.x, nearest_x)
+        near_y = near_lines(Axis(place_y, widest[1], 0.0), print_.y, nearest_y)
+        near_x, near_y = seen_lines(near_x, near_y, print_.cells)
+        lit = gx * offset[0, k] + gy * offset[1, k]
+        light = 1.0 + lit + 0.5 * lit * lit
+        if near_x[0] == near_x[1] and near_y[0] == near_y[1]:
+            X = print_.cells[near_x[0], near_y[0]]
+            for p in range(FREE):
+                jacobian[p, k] = 0.0
+            jacobian[4, k], jacobian[5, k] = light, light * X
+            residual[k], board[k], off_edges[k] = value[k] - light * (mean + half * X), X, off_all
+            continue
         seen = seen_place(state, around, x, y)
         first, second, (px, py, qx, qy) = seen.first, seen.second, seen.slopes
         away = 1.0 / (1.0 + h[0] * x + h[1] * y)
@@ -213,8 +139,6 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
                     by_y += share * across[0, i] * d
                     by_blur0 += share * across[2, i] * w
                     by_blur1 += share * across[0, i] * e
-        lit = gx * offset[0, k] + gy * offset[1, k]
-        light = 1.0 + lit + 0.5 * lit * lit
         toned = X + tone * (1.0 - X * X)
         plain = mean + half * toned
         height = light * half * (1.0 - 2.0 * tone * X)
@@ -234,6 +158,23 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
             continue
         steepest = max(abs(by_x) * first.blur, abs(by_y) * second.blur) / _STEEPEST
         off_edges[k] = sqrt(-2.0 * log(min(max(steepest, _FLAT), 1.0)))
+
+
+@compiled
+def _take_step(state: np.ndarray, around: LocalMap, step: np.ndarray, least_blur: float) -> None:
+    """Add a step to the free parameters of a state and of the map, in place; blurs double or halve at most."""
+    for i in range(_OWN):
+        at = _OF_STATE[i]
+        new = state[at] + step[i]
+        if _FIRST_BLUR <= i <= _LAST_BLUR:
+            new = max(min(max(new, 0.5 * state[at]), 2.0 * state[at]), least_blur)
+        state[at] = new
+    for i in range(_OWN, FREE):
+        axis, term = (i - _OWN) // _TERMS, (i - _OWN) % _TERMS
+        if term < _LINEAR:
+            around.linear[axis, term] += step[i]
+        else:
+            around.square[axis, term - _LINEAR] += step[i]
 
 
 @compiled
@@ -272,19 +213,9 @@ def settled_print(
         if not np.isfinite(change).all():
             return -1.0, np.inf
         far = max(hypot(change[0], change[1]) / limits.max_step_px, 1.0)
-        for i in range(_OWN):
-            at = _OF_STATE[i]
-            new = state[at] + change[i] / far
-            if _FIRST_BLUR <= i <= _LAST_BLUR:  # at most doubled or halved
-                new = max(min(max(new, 0.5 * state[at]), 2.0 * state[at]), limits.min_blur_px)
-            state[at] = new
-        for i in range(_OWN, FREE):
-            moved[i] += change[i] / far
-            axis, term = (i - _OWN) // _TERMS, (i - _OWN) % _TERMS
-            if term < _LINEAR:
-                around.linear[axis, term] += change[i] / far
-            else:
-                around.square[axis, term - _LINEAR] += change[i] / far
+        step = change / far
+        _take_step(state, around, step, limits.min_blur_px)
+        moved[_OWN:] += step[_OWN:]
         if max(abs(change[0]), abs(change[1])) < tolerance:
             rms = sqrt(max(squares - (change * gradient).sum(), 0.0) / n)
             for i in range(FREE):

@@ -3,13 +3,8 @@
 import numpy as np
 
 from labcal.detect.compiled import compiled
-from labcal.detect.corners.printed_kernel import (
-    LocalMap,
-    PrintLines,
-    blend_at,
-    most_correlated,
-    seen_place,
-)
+from labcal.detect.corners.printed_kernel import PrintLines
+from labcal.detect.corners.printed_place import LocalMap, blend_at, most_correlated, seen_place
 from labcal.detect.corners.printed_profile import near_lines, quadrature, seen_lines, write_profile
 
 

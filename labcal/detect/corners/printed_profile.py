@@ -106,7 +106,7 @@ def seen_lines(
 @compiled
 def _alike_beside_x(cells: np.ndarray, line: int, near: tuple[int, int]) -> bool:
     """Return whether cells on both sides of a line along x are the same, those between near lines of y."""
-    for j in range(near[0], near[1] + 1):
+    for j in range(near[0], near[1] + 1):  # noqa: SIM110 -- Numba has no generators in `all`
         if cells[line, j] != cells[line + 1, j]:
             return False
     return True
@@ -115,7 +115,7 @@ def _alike_beside_x(cells: np.ndarray, line: int, near: tuple[int, int]) -> bool
 @compiled
 def _alike_beside_y(cells: np.ndarray, line: int, near: tuple[int, int]) -> bool:
     """Return the same of a line along y."""
-    for i in range(near[0], near[1] + 1):
+    for i in range(near[0], near[1] + 1):  # noqa: SIM110
         if cells[i, line] != cells[i, line + 1]:
             return False
     return True

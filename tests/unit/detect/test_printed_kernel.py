@@ -4,8 +4,9 @@ import numpy as np
 
 from labcal.bench.boards.charuco_picture import COARSE
 from labcal.detect.corners.board_print import board_print
-from labcal.detect.corners.printed_kernel import LocalMap, empty_rows, fill_printed
+from labcal.detect.corners.printed_kernel import empty_rows, fill_printed
 from labcal.detect.corners.printed_lines import line_derivatives
+from labcal.detect.corners.printed_place import LocalMap
 
 SQUARE_PX = 20.0
 MIDDLE = LocalMap(
