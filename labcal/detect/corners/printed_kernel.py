@@ -94,51 +94,46 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
     nearest_y = np.searchsorted(print_.y, around.at[1])
     for k in range(len(value)):
         x, y = offset[0, k] - state[0], offset[1, k] - state[1]
-        place_x, place_y = unlit_place(around, x, y)
-        near_x = near_lines(Axis(place_x, widest[0], 0.0), print_.x, nearest_x)
-        near_y = near_lines(Axis(place_y, widest[1], 0.0), print_.y, nearest_y)
+        place = unlit_place(around, x, y)
+        near_x = near_lines(Axis(place[0], widest[0], 0.0), print_.x, nearest_x)
+        near_y = near_lines(Axis(place[1], widest[1], 0.0), print_.y, nearest_y)
         near_x, near_y = seen_lines(near_x, near_y, print_.cells)
+        many_x, many_y = near_x[1] - near_x[0], near_y[1] - near_y[0]
         lit = gx * offset[0, k] + gy * offset[1, k]
         light = 1.0 + lit + 0.5 * lit * lit
-        if near_x[0] == near_x[1] and near_y[0] == near_y[1]:
+        if many_x == 0 and many_y == 0:
             X = print_.cells[near_x[0], near_y[0]]
             for p in range(FREE):
                 jacobian[p, k] = 0.0
             jacobian[4, k], jacobian[5, k] = light, light * X
             residual[k], board[k], off_edges[k] = value[k] - light * (mean + half * X), X, off_all
             continue
-        seen = seen_place(state, around, x, y)
+        seen = seen_place(state, around, (x, y), place)
         first, second, (px, py, qx, qy) = seen.first, seen.second, seen.slopes
         away = 1.0 / (1.0 + h[0] * x + h[1] * y)
         terms[0], terms[1] = x * away, y * away
         terms[2], terms[3], terms[4] = 0.5 * x * x, x * y, 0.5 * y * y
-        near_x, near_y = near_lines(first, print_.x, nearest_x), near_lines(second, print_.y, nearest_y)
-        near_x, near_y = seen_lines(near_x, near_y, print_.cells)
-        many_x, many_y = near_x[1] - near_x[0], near_y[1] - near_y[0]
         X = by_x = by_y = by_blur0 = by_blur1 = 0.0
-        if many_x == 0 and many_y == 0:
-            X = print_.cells[near_x[0], near_y[0]]
-        else:
-            single = many_x == 0 or many_y == 0
-            along, sign, left = blend_at(seen.slopes)
-            for node in range(1 if single else nodes.shape[1]):
-                share = 1.0 if single else nodes[1, node]
-                at = 0.0 if single else nodes[0, node]
-                rest = 1.0 if single else left
-                write_profile(first, near_x, print_.x, (along * at, rest), across)
-                write_profile(second, near_y, print_.y, (sign * at, rest), down)
-                for i in range(many_x + 1):
-                    w = d = e = 0.0
-                    for j in range(many_y + 1):
-                        cell = print_.cells[near_x[0] + i, near_y[0] + j]
-                        w += cell * down[0, j]
-                        d += cell * down[1, j]
-                        e += cell * down[2, j]
-                    X += share * across[0, i] * w
-                    by_x += share * across[1, i] * w
-                    by_y += share * across[0, i] * d
-                    by_blur0 += share * across[2, i] * w
-                    by_blur1 += share * across[0, i] * e
+        single = many_x == 0 or many_y == 0
+        along, sign, left = blend_at(seen.slopes)
+        for node in range(1 if single else nodes.shape[1]):
+            share = 1.0 if single else nodes[1, node]
+            at = 0.0 if single else nodes[0, node]
+            rest = 1.0 if single else left
+            write_profile(first, near_x, print_.x, (along * at, rest), across)
+            write_profile(second, near_y, print_.y, (sign * at, rest), down)
+            for i in range(many_x + 1):
+                w = d = e = 0.0
+                for j in range(many_y + 1):
+                    cell = print_.cells[near_x[0] + i, near_y[0] + j]
+                    w += cell * down[0, j]
+                    d += cell * down[1, j]
+                    e += cell * down[2, j]
+                X += share * across[0, i] * w
+                by_x += share * across[1, i] * w
+                by_y += share * across[0, i] * d
+                by_blur0 += share * across[2, i] * w
+                by_blur1 += share * across[0, i] * e
         toned = X + tone * (1.0 - X * X)
         plain = mean + half * toned
         height = light * half * (1.0 - 2.0 * tone * X)
@@ -153,16 +148,13 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
             jacobian[_OWN + _TERMS + term, k] = height * by_y * terms[term]
         residual[k] = value[k] - light * plain
         board[k] = X
-        if by_x == 0.0 and by_y == 0.0:
-            off_edges[k] = off_all
-            continue
         steepest = max(abs(by_x) * first.blur, abs(by_y) * second.blur) / _STEEPEST
         off_edges[k] = sqrt(-2.0 * log(min(max(steepest, _FLAT), 1.0)))
 
 
 @compiled
 def _take_step(state: np.ndarray, around: LocalMap, step: np.ndarray, least_blur: float) -> None:
-    """Add a step to the free parameters of a state and of the map, in place; blurs double or halve at most."""
+    """Add a step to free parameters of a state and of the map, in place; blurs double or halve at most."""
     for i in range(_OWN):
         at = _OF_STATE[i]
         new = state[at] + step[i]

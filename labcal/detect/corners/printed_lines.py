@@ -4,7 +4,7 @@ import numpy as np
 
 from labcal.detect.compiled import compiled
 from labcal.detect.corners.printed_kernel import PrintLines
-from labcal.detect.corners.printed_place import LocalMap, blend_at, most_correlated, seen_place
+from labcal.detect.corners.printed_place import LocalMap, blend_at, most_correlated, seen_place, unlit_place
 from labcal.detect.corners.printed_profile import near_lines, quadrature, seen_lines, write_profile
 
 
@@ -37,7 +37,8 @@ def line_derivatives(
     across, down = np.empty((4, len(print_.x) + 1)), np.empty((4, len(print_.y) + 1))
     rows, columns = np.empty(len(print_.x) + 1), np.empty(len(print_.y) + 1)
     for k in range(offset.shape[1]):
-        seen = seen_place(state, around, offset[0, k] - state[0], offset[1, k] - state[1])
+        x, y = offset[0, k] - state[0], offset[1, k] - state[1]
+        seen = seen_place(state, around, (x, y), unlit_place(around, x, y))
         near_x = near_lines(seen.first, print_.x, int(np.searchsorted(print_.x, seen.first.place)))
         near_y = near_lines(seen.second, print_.y, int(np.searchsorted(print_.y, seen.second.place)))
         near_x, near_y = seen_lines(near_x, near_y, print_.cells)

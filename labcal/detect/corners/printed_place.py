@@ -63,13 +63,15 @@ class SeenPlace(NamedTuple):
 
 
 @compiled
-def seen_place(state: np.ndarray, around: LocalMap, x: float, y: float) -> SeenPlace:
-    """Return the place that is seen at an offset from the corner, px."""
+def seen_place(
+    state: np.ndarray, around: LocalMap, offset: tuple[float, float], unlit: tuple[float, float]
+) -> SeenPlace:
+    """Return the place that is seen at an offset from the corner, px; that in even light is known."""
+    (x, y), (place_x, place_y) = offset, unlit
     M, Q, h = around.linear, around.square, around.perspective
     gx, gy = state[8], state[9]
     away = 1.0 / (1.0 + h[0] * x + h[1] * y)
     plain_x, plain_y = (M[0, 0] * x + M[0, 1] * y) * away, (M[1, 0] * x + M[1, 1] * y) * away
-    place_x, place_y = unlit_place(around, x, y)
     px = (M[0, 0] - plain_x * h[0]) * away + Q[0, 0] * x + Q[0, 1] * y
     py = (M[0, 1] - plain_x * h[1]) * away + Q[0, 1] * x + Q[0, 2] * y
     qx = (M[1, 0] - plain_y * h[0]) * away + Q[1, 0] * x + Q[1, 1] * y
@@ -131,7 +133,7 @@ def widest_blurs(state: np.ndarray, offset: np.ndarray, around: LocalMap) -> tup
             along, up = across * x, down * y
             if 1.0 + around.perspective[0] * along + around.perspective[1] * up <= _NEAREST:
                 return np.inf, np.inf
-            seen = seen_place(state, around, along, up)
+            seen = seen_place(state, around, (along, up), unlit_place(around, along, up))
             moved_x, moved_y = state[4] * abs(seen.moved[0]), state[5] * abs(seen.moved[1])
             most_x, most_y = max(most_x, seen.first.blur + moved_x), max(most_y, seen.second.blur + moved_y)
     return _WIDER * most_x, _WIDER * most_y
