@@ -124,8 +124,7 @@ def fit_print(
     noise = max(first.roughness * first.step, _LEAST_NOISE)
     prior[-len(place[1]) :, -len(place[1]) :] = noise**2 * place[1]
     limits = settings.limits(FitLimits), settings.limits(JudgementLimits)
-    place_ = around, lines, prior
-    rms, sigma = settled_print(state, (offset, value), place_, settings.tolerance_px, limits)
+    rms, sigma = settled_print(state, (offset, value), (around, lines, prior), settings.tolerance_px, limits)
     if rms < 0.0 or state[7] <= 0.0:
         return None
     blur = float(first.state[4:6].max())
@@ -133,5 +132,15 @@ def fit_print(
         return None
     window = CornerPixels(mask, offset, value, _NO_GAP)
     roughness = rms / (2.0 * float(state[7]))
-    known = {"around": around, "print_": lines, "prior": prior, "sigma": sigma, "whole": whole}
-    return PrintedCorner(state, window, centre, roughness, FREE, **known)
+    return PrintedCorner(
+        state,
+        window,
+        centre,
+        roughness,
+        FREE,
+        around=around,
+        print_=lines,
+        prior=prior,
+        sigma=sigma,
+        whole=whole,
+    )
