@@ -177,10 +177,7 @@ def _goes_on(every: SeenMarkers, placed: SeenMarkers, board: CharucoBoard, setti
     on_board = _on_board(board)[placed.number - board.first_id]
     form = on_board[0] - on_board[0].mean(axis=0)
     at = placed.corners.mean(axis=1)
-    in_place = {corners.tobytes() for corners in placed.corners}
     for corners in every.corners:
-        if corners.tobytes() in in_place:
-            continue
         near = np.argsort(np.linalg.norm(at - corners.mean(axis=0), axis=1), kind="stable")[:_NEAREST]
         H = projective_map("markers", on_board[near].reshape(-1, 2), placed.corners[near].reshape(-1, 2))
         xyw = homogeneous(corners) @ np.linalg.pinv(H).T
