@@ -57,10 +57,10 @@ def printed_corners(
         fits = first | printed
         if number == _MOST_ROUNDS:
             break
-        told = print_errors(design, errors, [fit for fit in printed.values() if fit.whole])
-        if number >= _ROUNDS and told is errors:
+        departures = print_errors(design, errors, [fit for fit in printed.values() if fit.whole])
+        if number >= _ROUNDS and departures is errors:
             break
-        errors = told
+        errors = departures
     fits |= {node: with_print_errors(design, errors, fit) for node, fit in printed.items()}
     fits = _as_printed(first, fits, settings.clear_roughness_factor)
     found = [fits.get(node) for node in nodes]
