@@ -133,6 +133,36 @@ def judged_rows(
 
 
 @compiled
+def place_error(
+    table: np.ndarray, board: np.ndarray, fit: tuple[np.ndarray, np.ndarray], limits: JudgementLimits
+) -> float:
+    """Return the error of a corner's place along either axis, px, as the covariance of :func:`judged_rows`.
+
+    It is infinite where there are too few pixels. `fit` holds the Cholesky factor of the normal matrix, and
+    the information from elsewhere.
+    """
+    root, prior = fit
+    n, free, residual = len(board), len(prior), table[len(table) - 2]
+    noise, levels = _without_tone(residual[:n], board, limits.tone_levels)
+    freedom = n - PARAMETERS - levels
+    if freedom < PARAMETERS:
+        return np.inf
+    variance = _variance(noise, board, limits.min_variance_share) * (n / freedom)
+    usual, total, gain = variance.mean(), 0.0, np.empty(n)
+    for axis in range(2):
+        weight = np.zeros(free)
+        weight[axis] = 1.0
+        solve(root, weight)
+        gain[:] = 0.0
+        for p in range(free):
+            row, by = table[p], weight[p]
+            for k in range(n):
+                gain[k] += by * row[k]
+        total += (gain * gain * variance).sum() + (weight * (prior * weight).sum(axis=1)).sum() * usual
+    return sqrt(0.5 * total * freedom / (freedom - 2.0))
+
+
+@compiled
 def _write_covariance(
     factor: np.ndarray, fits: np.ndarray, prior: np.ndarray, covariance: np.ndarray
 ) -> None:

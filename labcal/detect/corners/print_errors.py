@@ -121,6 +121,7 @@ class _Evidence:
         line_derivatives(fit.state, pixels[0], place, (design.x_kinds, design.y_kinds), D[:-1])
         D[-1] = rows[1][4] * fit.state[7] * (1.0 - rows[2] ** 2)
         J, noise = rows[1], max(fit.roughness * fit.step, _LEAST_NOISE)
-        common = np.linalg.solve(J @ J.T + fit.prior, J @ D.T)
-        free = D - common.T @ J
-        return cls(free @ D.T / noise**2, free @ rows[0] / noise**2, -common[:2])
+        mixed = J @ D.T
+        common = np.linalg.solve(J @ J.T + fit.prior, mixed)
+        information, gradient = D @ D.T - common.T @ mixed, D @ rows[0] - common.T @ (J @ rows[0])
+        return cls(information / noise**2, gradient / noise**2, -common[:2])

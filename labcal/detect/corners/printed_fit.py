@@ -10,12 +10,13 @@ from labcal.detect.corners.corner_kernel import PARAMETERS, FitLimits
 from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.corners.printed_kernel import (
     FREE,
-    LocalMap,
+    ROWS,
     PrintLines,
     empty_rows,
     fill_printed,
     settled_print,
 )
+from labcal.detect.corners.printed_place import LocalMap
 from labcal.detect.corners.printed_window import print_pixels
 from labcal.detect.corners.uncovered import uncovered
 from labcal.detect.grey import GreyPicture
@@ -39,6 +40,8 @@ class PrintedCorner(SettledCorner):
     print_ : PrintLines
     prior : ndarray, shape (FREE, FREE)
         Information on the fit's parameters from the corners around, over that of a pixel.
+    sigma : float
+        Error of its place along either axis, px, for noise alone; infinite if unknown.
     whole : bool
         True if no pixels around it were left out as covered.
     shared : ndarray, shape (2, 2)
@@ -48,6 +51,7 @@ class PrintedCorner(SettledCorner):
     around: LocalMap
     print_: PrintLines
     prior: np.ndarray
+    sigma: float = np.inf
     whole: bool = True
     shared: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
 
@@ -55,7 +59,7 @@ class PrintedCorner(SettledCorner):
         """Return the fit with its uncertainty; None where there are too few pixels for one."""
         pixels = np.ascontiguousarray(self.window.offset), self.window.value
         n = len(pixels[1])
-        table, board, off_edges = np.zeros((FREE + 2, filled_up(n))), np.empty(n), np.empty(n)
+        table, board, off_edges = np.zeros((ROWS, filled_up(n))), np.empty(n), np.empty(n)
         rows = table[FREE], table[:FREE], board, off_edges
         fill_printed(self.state, pixels, self.around, self.print_, rows)
         away = pixels[0] - self.state[:2, None]
@@ -119,9 +123,8 @@ def fit_print(
     prior = np.zeros((FREE, FREE))
     noise = max(first.roughness * first.step, _LEAST_NOISE)
     prior[-len(place[1]) :, -len(place[1]) :] = noise**2 * place[1]
-    rms = settled_print(
-        state, (offset, value), (around, lines, prior), settings.tolerance_px, settings.limits(FitLimits)
-    )
+    limits = settings.limits(FitLimits), settings.limits(JudgementLimits)
+    rms, sigma = settled_print(state, (offset, value), (around, lines, prior), settings.tolerance_px, limits)
     if rms < 0.0 or state[7] <= 0.0:
         return None
     blur = float(first.state[4:6].max())
@@ -130,5 +133,14 @@ def fit_print(
     window = CornerPixels(mask, offset, value, _NO_GAP)
     roughness = rms / (2.0 * float(state[7]))
     return PrintedCorner(
-        state, window, centre, roughness, FREE, around=around, print_=lines, prior=prior, whole=whole
+        state,
+        window,
+        centre,
+        roughness,
+        FREE,
+        around=around,
+        print_=lines,
+        prior=prior,
+        sigma=sigma,
+        whole=whole,
     )

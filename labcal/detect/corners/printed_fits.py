@@ -6,14 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from labcal.detect.corners.board_print import board_print
-from labcal.detect.corners.corner_fit import SettledCorner, judge
+from labcal.detect.corners.corner_fit import SettledCorner, judge_all
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.known_light import light_slopes
 from labcal.detect.corners.local_maps import local_maps
 from labcal.detect.corners.node_grid import NodeGrid, median_around
 from labcal.detect.corners.print_errors import PrintErrors, print_errors, with_print_errors
 from labcal.detect.corners.printed_fit import PrintedCorner, fit_print
-from labcal.detect.corners.printed_kernel import LocalMap, PrintLines
+from labcal.detect.corners.printed_kernel import PrintLines
+from labcal.detect.corners.printed_place import LocalMap
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -48,14 +49,19 @@ def printed_corners(
     if not spans_a_plane(np.array(list(first), dtype=np.int64).reshape(-1, 2)):
         return corners
     fits, design = first, board_print(board)
+    of_squares = _errors(first, settings)
     errors = PrintErrors.none(design)
-    for number in range(_MOST_ROUNDS):
+    for number in range(1, _MOST_ROUNDS + 1):
         print_ = errors.of(design).lines, errors.tone
-        printed = _by_print(grey, print_, fits, settings)
-        fits = first | {node: with_print_errors(design, errors, fit) for node, fit in printed.items()}
-        before, errors = errors, print_errors(design, errors, [fit for fit in printed.values() if fit.whole])
-        if number + 1 >= _ROUNDS and errors is before:
+        printed = _by_print(grey, print_, (fits, of_squares), settings)
+        fits = first | printed
+        if number == _MOST_ROUNDS:
             break
+        departures = print_errors(design, errors, [fit for fit in printed.values() if fit.whole])
+        if number >= _ROUNDS and departures is errors:
+            break
+        errors = departures
+    fits |= {node: with_print_errors(design, errors, fit) for node, fit in printed.items()}
     fits = _as_printed(first, fits, settings.clear_roughness_factor)
     found = [fits.get(node) for node in nodes]
     seen_at = [
@@ -67,13 +73,19 @@ def printed_corners(
 def _by_print(
     grey: GreyPicture,
     print_: tuple[PrintLines, float],
-    fits: Mapping[Node, SettledCorner],
+    known: tuple[Mapping[Node, SettledCorner], Mapping[Node, float]],
     settings: CornerSettings,
 ) -> dict[Node, PrintedCorner]:
-    """Return the fits by the print that converge, with the maps and the light that given fits tell."""
+    """Return the fits by the print that converge, with the maps and the light that given fits tell.
+
+    `known` are these, and errors of the places of those that are by squares alone, px.
+    """
+    fits, of_squares = known
     nodes = list(fits)
     places = np.array([fit.centre for fit in fits.values()])
-    sigma = np.array([_sigma(fit, settings) for fit in fits.values()])
+    sigma = np.array(
+        [fit.sigma if isinstance(fit, PrintedCorner) else of_squares[node] for node, fit in fits.items()]
+    )
     roughness = np.array([fit.roughness for fit in fits.values()])
     clear = roughness <= _ROUGHEST * float(np.median(roughness)) + _ROUGHEST_SHARE
     if spans_a_plane(np.array(nodes, dtype=np.int64)[clear]):
@@ -105,10 +117,12 @@ def _by_print(
     return _clear(found, settings.clear_roughness_factor)
 
 
-def _sigma(fit: SettledCorner, settings: CornerSettings) -> float:
-    """Return the error of a fit's place along either axis, px; infinite if unknown."""
-    certain = fit.judged(settings) if isinstance(fit, PrintedCorner) else judge(fit, settings)
-    return float("inf") if certain is None else float(np.sqrt(0.5 * np.trace(certain.covariance)))
+def _errors(fits: Mapping[Node, SettledCorner], settings: CornerSettings) -> dict[Node, float]:
+    """Return the errors of fits' places along either axis, px; infinite if unknown."""
+    return {
+        node: float("inf") if certain is None else float(np.sqrt(0.5 * np.trace(certain.covariance)))
+        for node, certain in zip(fits, judge_all(list(fits.values()), settings), strict=True)
+    }
 
 
 def _as_printed(

@@ -3,14 +3,16 @@
 import numpy as np
 
 from labcal.detect.compiled import compiled
-from labcal.detect.corners.printed_kernel import (
+from labcal.detect.corners.printed_kernel import PrintLines
+from labcal.detect.corners.printed_place import (
     LocalMap,
-    PrintLines,
     blend_at,
     most_correlated,
     seen_place,
+    unlit_place,
+    widest_blurs,
 )
-from labcal.detect.corners.printed_profile import near_lines, quadrature, write_profile
+from labcal.detect.corners.printed_profile import Axis, near_lines, quadrature, seen_lines, write_profile
 
 
 @compiled
@@ -40,14 +42,20 @@ def line_derivatives(
     out[:] = 0.0
     nodes = quadrature(most_correlated(offset, around))
     across, down = np.empty((4, len(print_.x) + 1)), np.empty((4, len(print_.y) + 1))
+    widest = widest_blurs(state, offset, around)
+    nearest_x = np.searchsorted(print_.x, around.at[0])
+    nearest_y = np.searchsorted(print_.y, around.at[1])
     rows, columns = np.empty(len(print_.x) + 1), np.empty(len(print_.y) + 1)
     for k in range(offset.shape[1]):
-        seen = seen_place(state, around, offset[0, k] - state[0], offset[1, k] - state[1])
-        near_x = near_lines(seen.first, print_.x, int(np.searchsorted(print_.x, seen.first.place)))
-        near_y = near_lines(seen.second, print_.y, int(np.searchsorted(print_.y, seen.second.place)))
+        x, y = offset[0, k] - state[0], offset[1, k] - state[1]
+        place_x, place_y = unlit_place(around, x, y)
+        near_x = near_lines(Axis(place_x, widest[0], 0.0), print_.x, nearest_x)
+        near_y = near_lines(Axis(place_y, widest[1], 0.0), print_.y, nearest_y)
+        near_x, near_y = seen_lines(near_x, near_y, print_.cells)
         many_x, many_y = near_x[1] - near_x[0], near_y[1] - near_y[0]
         if many_x == 0 and many_y == 0:
             continue
+        seen = seen_place(state, around, (x, y), (place_x, place_y))
         single = many_x == 0 or many_y == 0
         along, sign, left = blend_at(seen.slopes)
         height = state[7] * (1.0 + state[8] * offset[0, k] + state[9] * offset[1, k])

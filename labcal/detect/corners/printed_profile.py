@@ -83,6 +83,45 @@ def near_lines(axis: Axis, lines: np.ndarray, around: int) -> tuple[int, int]:
 
 
 @compiled
+def seen_lines(
+    near_x: tuple[int, int], near_y: tuple[int, int], cells: np.ndarray
+) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Return the lines along both axes without the outer ones that have the same cells on both sides.
+
+    Nothing changes at those, as of markers within black squares: where all cells are alike none is left, and
+    where they change along one axis only, none of the other axis.
+    """
+    x, x_end, y, y_end = near_x[0], near_x[1], near_y[0], near_y[1]
+    while x < x_end and _alike_beside_x(cells, x, (y, y_end)):
+        x += 1
+    while x < x_end and _alike_beside_x(cells, x_end - 1, (y, y_end)):
+        x_end -= 1
+    while y < y_end and _alike_beside_y(cells, y, (x, x_end)):
+        y += 1
+    while y < y_end and _alike_beside_y(cells, y_end - 1, (x, x_end)):
+        y_end -= 1
+    return (x, x_end), (y, y_end)
+
+
+@compiled
+def _alike_beside_x(cells: np.ndarray, line: int, near: tuple[int, int]) -> bool:
+    """Return whether cells on both sides of a line along x are the same, those between near lines of y."""
+    for j in range(near[0], near[1] + 1):  # noqa: SIM110 -- Numba has no generators in `all`
+        if cells[line, j] != cells[line + 1, j]:
+            return False
+    return True
+
+
+@compiled
+def _alike_beside_y(cells: np.ndarray, line: int, near: tuple[int, int]) -> bool:
+    """Return the same of a line along y."""
+    for i in range(near[0], near[1] + 1):  # noqa: SIM110
+        if cells[i, line] != cells[i, line + 1]:
+            return False
+    return True
+
+
+@compiled
 def write_profile(
     axis: Axis, near: tuple[int, int], lines: np.ndarray, blend: tuple[float, float], out: np.ndarray
 ) -> None:

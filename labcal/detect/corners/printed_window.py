@@ -5,7 +5,7 @@ from math import hypot
 import numpy as np
 
 from labcal.detect.compiled import compiled
-from labcal.detect.corners.printed_kernel import LocalMap
+from labcal.detect.corners.printed_place import LocalMap
 
 
 @compiled
