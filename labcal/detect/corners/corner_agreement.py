@@ -80,11 +80,14 @@ def agreeing(board: Pixels, seen: Pixels, covariance: PixelCovariances) -> Mask:
     everything = np.ones(n, dtype=bool)
     best, later, plain = None, list[Judged](), True
     under = _Plain.of(board, seen) if 2.0 * n >= _SPARE * _HOMOGRAPHY else None
-    for degree in _DEGREES if under is not None else ():
+    if under is None:
+        return everything
+    for degree in _DEGREES:
         terms = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i) if i + j > 1]
         if 2.0 * n < _SPARE * (_HOMOGRAPHY + 2 * len(terms)):
             break
-        one = judged(*under.design(terms), covariance)
+        left, rows = under.design(terms)
+        one = judged(left, rows, covariance)
         if best is None or one.length < best.length:
             best, later, plain = one, [], degree == 0
         else:

@@ -63,8 +63,8 @@ def saddle_crosses(
 @compiled
 def _is_white(edges: np.ndarray, white_between: np.ndarray, k: int, angle: float) -> bool:
     """Tell whether it is white beside one of the saddle points in a direction (rad)."""
-    is_between: bool = edges[k, 0] < angle % pi < edges[k, 1]
-    return is_between == white_between[k]
+    is_white: bool = (edges[k, 0] < angle % pi < edges[k, 1]) == white_between[k]
+    return is_white
 
 
 @compiled
