@@ -27,7 +27,9 @@ def normalising_similarity(points: Float64[np.ndarray, "n dim"]) -> Float64[np.n
 
 def homogeneous(points: Float64[np.ndarray, "n dim"]) -> Float64[np.ndarray, "n dim1"]:
     """Return points with a further coordinate 1."""
-    with_one: np.ndarray = np.column_stack((points, np.ones(len(points))))
+    count, dimension = points.shape
+    with_one = np.ones((count, dimension + 1))
+    with_one[:, :dimension] = points
     return with_one
 
 
@@ -62,15 +64,13 @@ def projective_map(
     to_source, to_image = normalising_similarity(sources), normalising_similarity(pixels)
     source = homogeneous(sources) @ to_source.T
     image = homogeneous(pixels) @ to_image.T
-    nothing = np.zeros_like(source)
-    equations = np.concatenate(
-        (
-            np.hstack((source, nothing, -image[:, :1] * source)),
-            np.hstack((nothing, source, -image[:, 1:2] * source)),
-        )
-    )
+    count, size = source.shape
+    equations = np.zeros((2, count, 3 * size))
+    for axis in (0, 1):
+        equations[axis, :, axis * size : (axis + 1) * size] = source
+        equations[axis, :, 2 * size :] = -image[:, axis : axis + 1] * source
     # Only the triangle: it has the same singular values and directions, and stays small for many points.
-    triangle = np.linalg.qr(equations, mode="r")
+    triangle = np.linalg.qr(equations.reshape(2 * count, -1), mode="r")
     _, singular, directions = np.linalg.svd(triangle)
     if singular[len(directions) - 2] <= AMBIGUOUS * singular[0]:
         raise InputError(

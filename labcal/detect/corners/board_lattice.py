@@ -4,6 +4,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from labcal.detect.corners.node_grid import ahead, behind
+from labcal.detect.corners.saddle_crosses import CrossLimits, saddle_crosses
 from labcal.detect.corners.saddles import Saddles
 from labcal.detect.lattice.growth import GrowthLimits, drop_inconsistent, grow, keep_largest_part
 from labcal.detect.lattice.lattice import Lattice, Node
@@ -67,38 +68,9 @@ def find_board_lattices(
 def _crosses(saddles: Saddles, settings: DetectSettings) -> tuple[np.ndarray, np.ndarray]:
     """Return the next corners along both edges, (n, 4), and their misfit; infinite where one is missing."""
     n = len(saddles.place)
-    distance, near = cKDTree(saddles.place).query(saddles.place, k=min(_NEIGHBOURS + 1, n))
-    distance, near = distance[:, 1:], near[:, 1:]
-    way = saddles.place[near] - saddles.place[:, None]
-    angle = np.arctan2(way[..., 1], way[..., 0])
-    bisector = saddles.edges.mean(axis=1)
-    opposite = (
-        saddles.is_white(near, np.broadcast_to(bisector[:, None], near.shape))
-        != saddles.is_white(np.arange(n), bisector)[:, None]
-    )
-    opposite &= np.abs(np.log(saddles.step[near] / saddles.step[:, None])) < np.log(
-        settings.saddle.max_step_factor
-    )
-    most = np.radians(settings.saddle.max_bend_deg)
-    arms, lengths = np.zeros((n, 4), dtype=np.int64), np.full((n, 4), np.inf)
-    # The second edge's angle is the larger one, and y runs down: turned anticlockwise it gives the first.
-    for k, (edge, turn) in enumerate(((1, 0.0), (1, np.pi), (0, 0.0), (0, np.pi))):
-        off = np.abs(np.angle(np.exp(1j * (angle - saddles.edges[:, edge, None] - turn))))
-        length = np.where(opposite & (off < most), distance, np.inf)
-        nearest = length.argmin(axis=1)
-        arms[:, k] = near[np.arange(n), nearest]
-        lengths[:, k] = length[np.arange(n), nearest]
-    first, second = lengths[:, :2], lengths[:, 2:]
-    with np.errstate(invalid="ignore"):
-        uneven = np.maximum(first.max(axis=1) / first.min(axis=1), second.max(axis=1) / second.min(axis=1))
-        middle = 2.0 * saddles.place
-        bent = [
-            np.linalg.norm(saddles.place[arms[:, k]] + saddles.place[arms[:, k + 1]] - middle, axis=1)
-            / lengths[:, k : k + 2].sum(axis=1)
-            for k in (0, 2)
-        ]
-    whole = np.isfinite(lengths).all(axis=1) & (uneven < settings.saddle.max_step_factor)
-    return arms, np.where(whole, np.maximum(*bent), np.inf)
+    near = cKDTree(saddles.place).query(saddles.place, k=min(_NEIGHBOURS + 1, n))[1][:, 1:]
+    seen = (saddles.place, saddles.edges, saddles.white_between, saddles.step)
+    return saddle_crosses(seen, near, settings.saddle.limits(CrossLimits))
 
 
 def _cropped(grid: np.ndarray) -> np.ndarray:

@@ -15,6 +15,8 @@ from labcal.detect.row_products import add_own_products, add_products, filled_up
 
 _SINGULAR = 1e-13
 """A pivot that falls to so much of its diagonal entry."""
+_TOGETHER = 3
+"""Lags; their number is a multiple of it."""
 
 
 class JudgementLimits(NamedTuple):
@@ -219,14 +221,14 @@ def _add_products(
     """Add products of pixels at all distances to sums; the edges themselves are left out of the residuals."""
     height, width = mask.shape
     n = len(off_edges)
-    number = np.full((height + REACH, width + 2 * REACH), n)
-    places = np.empty((2, n), dtype=np.int64)
+    wide = width + 2 * REACH
+    number, places = np.full((height + REACH) * wide, n), np.empty(n, dtype=np.int64)
     k = 0
     for j in range(height):
         for i in range(width):
             if mask[j, i]:
-                number[j, i + REACH] = k
-                places[0, k], places[1, k] = j, i + REACH
+                places[k] = j * wide + i + REACH
+                number[places[k]] = k
                 k += 1
     # Pixel n is none: all of its values are 0.
     values = np.zeros((n + 1, 4))
@@ -234,16 +236,27 @@ def _add_products(
         flat = 1.0 if off_edges[k] > flat_blurs else 0.0
         values[k, 0], values[k, 1] = flat, flat * table[len(table) - 2, k]
         values[k, 2], values[k, 3] = table[0, k], table[1, k]
-    for lag in range(LAGS):
-        down = lag // (2 * REACH + 1)
-        beside = lag - down * (2 * REACH + 1) - REACH
-        pairs = energy = by_x = by_y = 0.0
+    # Three lags at a time, since a sum must wait for what was added before.
+    for lag in range(0, LAGS, _TOGETHER):
+        first, second, third = _shift(lag, wide), _shift(lag + 1, wide), _shift(lag + 2, wide)
+        a = b = c = d = a2 = b2 = c2 = d2 = a3 = b3 = c3 = d3 = 0.0
         for k in range(n):
-            other = number[places[0, k] + down, places[1, k] + beside]
-            pairs += values[k, 0] * values[other, 0]
-            energy += values[k, 1] * values[other, 1]
-            by_x += values[k, 2] * values[other, 2]
-            by_y += values[k, 3] * values[other, 3]
-        sums[lag, 0] += pairs
-        sums[lag, 1] += energy
-        sums[lag, 2] += by_x + by_y
+            own, one = values[k], values[number[places[k] + first]]
+            two, three = values[number[places[k] + second]], values[number[places[k] + third]]
+            a, b, c, d = a + own[0] * one[0], b + own[1] * one[1], c + own[2] * one[2], d + own[3] * one[3]
+            a2, b2 = a2 + own[0] * two[0], b2 + own[1] * two[1]
+            c2, d2 = c2 + own[2] * two[2], d2 + own[3] * two[3]
+            a3, b3 = a3 + own[0] * three[0], b3 + own[1] * three[1]
+            c3, d3 = c3 + own[2] * three[2], d3 + own[3] * three[3]
+        sums[lag, 0], sums[lag, 1], sums[lag, 2] = sums[lag, 0] + a, sums[lag, 1] + b, sums[lag, 2] + (c + d)
+        for more, pairs, energy, both in ((1, a2, b2, c2 + d2), (2, a3, b3, c3 + d3)):
+            sums[lag + more, 0] += pairs
+            sums[lag + more, 1] += energy
+            sums[lag + more, 2] += both
+
+
+@compiled
+def _shift(lag: int, wide: int) -> int:
+    """Return how far away a lag is among pixels row by row, of a rectangle so wide."""
+    down = lag // (2 * REACH + 1)
+    return down * wide + lag - down * (2 * REACH + 1) - REACH

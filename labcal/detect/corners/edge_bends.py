@@ -1,8 +1,11 @@
 """Curvature of the edges at the corners of a board, as a lens bends them, from the corners beside each."""
 
+from math import hypot
+
 import numpy as np
 
-from labcal.detect.corners.node_grid import ahead, behind, median_around
+from labcal.detect.compiled import compiled
+from labcal.detect.corners.node_grid import median_around
 
 _NEAR = (1, 2, 4)
 """Nodes to either side whose curvatures have one median, against the corners' noise: the nearest known."""
@@ -20,7 +23,7 @@ def edge_bends(places: np.ndarray) -> np.ndarray:
     places : ndarray, shape (a, b, 2)
         Measured corners, px, by column and row; NaN where there is none.
     """
-    return _smooth(np.stack([_bends(places, axis) for axis in (0, 1)], axis=2))
+    return _smooth(_bends(np.ascontiguousarray(places)))
 
 
 def across_edges(bends: np.ndarray, states: np.ndarray) -> np.ndarray:
@@ -47,10 +50,28 @@ def _smooth(bends: np.ndarray) -> np.ndarray:
     return smooth
 
 
-def _bends(places: np.ndarray, axis: int) -> np.ndarray:
-    """Return the curvature of lines in one direction of the board, NaN where a neighbour is unknown."""
-    after, before = ahead(places, axis), behind(places, axis)
-    far, near = (np.linalg.norm(step, axis=-1, keepdims=True) for step in (after, before))
-    along = (after + before) / np.linalg.norm(after + before, axis=-1, keepdims=True)
-    bend = 2.0 * (after / far - before / near) / (far + near)
-    return np.asarray(bend - along * (along * bend).sum(axis=-1, keepdims=True))
+@compiled
+def _bends(places: np.ndarray) -> np.ndarray:
+    """Return the curvature of lines in both directions of the board, NaN where a neighbour is unknown."""
+    wide, high, _ = places.shape
+    found = np.full((wide, high, 2, 2), np.nan)
+    for i in range(wide):
+        for j in range(high):
+            for axis in range(2):
+                right, up = 1 - axis, axis
+                if not (right <= i < wide - right and up <= j < high - up):
+                    continue
+                here, after, before = places[i, j], places[i + right, j + up], places[i - right, j - up]
+                x, y, u, v = after[0] - here[0], after[1] - here[1], here[0] - before[0], here[1] - before[1]
+                far, near, whole = hypot(x, y), hypot(u, v), hypot(x + u, y + v)
+                along_x, along_y = (x + u) / whole, (y + v) / whole
+                bend_x, bend_y = (
+                    2.0 * (x / far - u / near) / (far + near),
+                    2.0 * (y / far - v / near) / (far + near),
+                )
+                along = along_x * bend_x + along_y * bend_y
+                found[i, j, axis, 0], found[i, j, axis, 1] = (
+                    bend_x - along_x * along,
+                    bend_y - along_y * along,
+                )
+    return found

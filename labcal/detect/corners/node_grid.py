@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from labcal.detect.compiled import compiled
 from labcal.detect.lattice.lattice import Node
 
 
@@ -49,12 +50,33 @@ def around(grid: np.ndarray, reach: int) -> np.ndarray:
 
 def median_around(grid: np.ndarray, reach: int) -> np.ndarray:
     """Return the medians of the values (a, b, ...) that there are up to `reach` nodes away; NaN for none."""
-    ordered = np.sort(around(grid, reach), axis=0)  # NaN last
-    count = np.isfinite(ordered).sum(axis=0, keepdims=True)
-    low, high = (
-        np.take_along_axis(ordered, np.maximum(k, 0), axis=0) for k in ((count - 1) // 2, count // 2)
-    )
-    return np.asarray(np.where(count > 0, 0.5 * (low + high), np.nan)[0])
+    flat = np.ascontiguousarray(grid, dtype=np.float64).reshape(*grid.shape[:2], -1)
+    return np.asarray(_medians(flat, reach).reshape(grid.shape))
+
+
+@compiled
+def _medians(grid: np.ndarray, reach: int) -> np.ndarray:
+    """Return the medians of values (a, b, m) around every node."""
+    wide, high, size = grid.shape
+    found, near = np.full((wide, high, size), np.nan), np.empty((2 * reach + 1) ** 2)
+    for i in range(wide):
+        for j in range(high):
+            for k in range(size):
+                count = 0
+                for a in range(max(i - reach, 0), min(i + reach + 1, wide)):
+                    for b in range(max(j - reach, 0), min(j + reach + 1, high)):
+                        value = grid[a, b, k]
+                        if not np.isfinite(value):
+                            continue
+                        at = count
+                        while at > 0 and near[at - 1] > value:
+                            near[at] = near[at - 1]
+                            at -= 1
+                        near[at] = value
+                        count += 1
+                if count > 0:
+                    found[i, j, k] = 0.5 * (near[(count - 1) // 2] + near[count // 2])
+    return found
 
 
 def ahead(grid: np.ndarray, axis: int) -> np.ndarray:

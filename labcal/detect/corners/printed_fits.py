@@ -15,6 +15,7 @@ from labcal.detect.corners.print_errors import PrintErrors, print_errors, with_p
 from labcal.detect.corners.printed_fit import PrintedCorner, fit_print
 from labcal.detect.corners.printed_kernel import PrintLines
 from labcal.detect.corners.printed_place import LocalMap
+from labcal.detect.corners.roughest import LEAST_ROUGHNESS, roughest_clear
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -131,7 +132,9 @@ def _as_printed(
     """Return fits, or first ones, of squares alone, where markers are not as printed: worn, or covered."""
     usual = float(np.median([fit.roughness for fit in first.values()]))
     return {
-        node: fit if fit.roughness <= factor * max(usual, first[node].roughness) else first[node]
+        node: fit
+        if fit.roughness <= factor * max(usual, first[node].roughness, LEAST_ROUGHNESS)
+        else first[node]
         for node, fit in fits.items()
     }
 
@@ -142,6 +145,5 @@ def _clear(printed: Mapping[Node, PrintedCorner], factor: float) -> dict[Node, P
         return {}
     grid, roughness = NodeGrid.of(list(printed)), np.array([fit.roughness for fit in printed.values()])
     usual = median_around(grid.spread(roughness), _ROUGH_NODES)[grid.at]
-    return {
-        node: fit for (node, fit), ok in zip(printed.items(), roughness <= factor * usual, strict=True) if ok
-    }
+    clear = roughness <= roughest_clear(usual, factor)
+    return {node: fit for (node, fit), ok in zip(printed.items(), clear.tolist(), strict=True) if ok}

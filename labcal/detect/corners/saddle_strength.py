@@ -6,7 +6,7 @@ from labcal.detect.compiled import compiled
 
 _NEAR = 2
 """Pixels to either side of which one is the strongest."""
-_QUARTER, _TWO = np.float32(0.25), np.float32(2.0)
+_QUARTER, _HALF, _TWO = np.float32(0.25), np.float32(0.5), np.float32(2.0)
 
 
 @compiled
@@ -58,3 +58,39 @@ def _is_strongest(strength: np.ndarray, j: int, i: int) -> bool:
             if strength[down, across] > strength[j, i]:
                 return False
     return True
+
+
+@compiled
+def saddle_places(
+    smooth: np.ndarray, strength: np.ndarray, pixels: tuple[np.ndarray, np.ndarray], farthest: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the saddle points near pixels by one step of Newton's method; and of which pixels these are.
+
+    Parameters
+    ----------
+    smooth : ndarray of float32, shape (h, w)
+    strength : ndarray of float32, shape (h, w)
+        Of :func:`saddle_strength`.
+    pixels : (ndarray of int, ndarray of int), shape (n,) each
+        Row and column, within the picture.
+    farthest : float
+        A step along either axis is shorter, px.
+
+    Returns
+    -------
+    (ndarray, shape (m, 2); ndarray of int, shape (m,))
+    """
+    rows, columns = pixels
+    places, which, m = np.empty((len(rows), 2)), np.empty(len(rows), dtype=np.int64), 0
+    for k in range(len(rows)):
+        y, x = rows[k], columns[k]
+        above, here, below = smooth[y - 1], smooth[y], smooth[y + 1]
+        by_x, by_y = _HALF * (here[x + 1] - here[x - 1]), _HALF * (below[x] - above[x])
+        twice = _TWO * here[x]
+        xx, yy = here[x - 1] - twice + here[x + 1], above[x] - twice + below[x]
+        xy = _QUARTER * ((below[x + 1] - below[x - 1]) - (above[x + 1] - above[x - 1]))
+        right, down = (yy * by_x - xy * by_y) / strength[y, x], (xx * by_y - xy * by_x) / strength[y, x]
+        if max(abs(right), abs(down)) < farthest:
+            places[m, 0], places[m, 1], which[m] = x + right, y + down, k
+            m += 1
+    return places[:m].copy(), which[:m].copy()

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from labcal.arrays import Mask, Pixels
 from labcal.detect.corners.saddle_rings import READING, RingLimits, read_rings
-from labcal.detect.corners.saddle_strength import saddle_strength, strongest_places
+from labcal.detect.corners.saddle_strength import saddle_places, saddle_strength, strongest_places
 from labcal.detect.grey import GreyPicture
 from labcal.detect.stage_settings.saddle import SaddleSettings
 
@@ -62,23 +62,11 @@ def find_saddles(grey: GreyPicture, settings: SaddleSettings) -> Saddles:
     usual = float(np.median(np.abs(strength[::4, ::4])))
     least = max(settings.noise_factor**2 * usual, _FAINTEST * float(strength.max()))
     y, x = strongest_places(strength, least)
-    order = np.argsort(-strength[y, x], kind="stable")[: settings.max_saddles]
-    y, x = y[order], x[order]
-    gradient = 0.5 * np.stack([smooth[y, x + 1] - smooth[y, x - 1], smooth[y + 1, x] - smooth[y - 1, x]])
-    a, b, c = _second_derivatives(smooth, y, x)
-    step = np.stack([c * gradient[0] - b * gradient[1], a * gradient[1] - b * gradient[0]]) / strength[y, x]
-    near = np.abs(step).max(axis=0) < _NEWTON_PX if len(x) else np.zeros(0, dtype=bool)
-    place = np.stack([x + step[0], y + step[1]], axis=-1)[near].astype(np.float64)
+    if len(y) > settings.max_saddles:
+        most = np.argsort(-strength[y, x], kind="stable")[: settings.max_saddles]
+        y, x = y[most], x[most]
+    place, which = saddle_places(smooth, strength, (y, x), _NEWTON_PX)
     rings = read_rings(smooth, place, settings.limits(RingLimits)) if len(place) else np.zeros((0, READING))
-    ok = np.isfinite(rings[:, 0])
+    ok = np.flatnonzero(np.isfinite(rings[:, 0]))
+    ok = ok[np.argsort(-strength[y[which[ok]], x[which[ok]]], kind="stable")]
     return Saddles(place[ok], rings[ok, :2].copy(), rings[ok, 2] > 0, rings[ok, 3].copy())
-
-
-def _second_derivatives(
-    smooth: GreyPicture, y: np.ndarray, x: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the derivatives xx, xy and yy by central differences at pixels within the picture."""
-    twice = 2.0 * smooth[y, x]
-    along, down = smooth[y, x - 1] - twice + smooth[y, x + 1], smooth[y - 1, x] - twice + smooth[y + 1, x]
-    below, above = smooth[y + 1, x + 1] - smooth[y + 1, x - 1], smooth[y - 1, x + 1] - smooth[y - 1, x - 1]
-    return along, 0.25 * (below - above), down

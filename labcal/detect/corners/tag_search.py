@@ -8,6 +8,7 @@ from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import SettledCorner
 from labcal.detect.corners.corners import Corners, Standard
 from labcal.detect.corners.node_grid import NodeGrid, median_around
+from labcal.detect.corners.roughest import roughest_clear
 from labcal.detect.corners.tag_places import next_tag
 from labcal.detect.corners.tag_saddle import TagSaddle, fit_tag_saddle
 from labcal.detect.corners.tag_wider_fits import wider_tag_fits
@@ -158,5 +159,7 @@ def _clear(corners: Corners, settings: CornerSettings) -> list[bool]:
         return []
     grid = NodeGrid(corners.index)
     usual = np.nan_to_num(median_around(grid.spread(roughness), _ROUGH_CORNERS)[grid.at])
-    most = settings.clear_roughness_factor * usual + np.where(sharp, settings.roughness_share, 0.0)
+    most = roughest_clear(usual, settings.clear_roughness_factor) + np.where(
+        sharp, settings.roughness_share, 0.0
+    )
     return [bool(ok) for ok in roughness <= most]

@@ -10,6 +10,7 @@ from labcal.detect.corners.corner_window import Places
 from labcal.detect.corners.edge_bends import across_edges, edge_bends
 from labcal.detect.corners.known_light import light_slopes
 from labcal.detect.corners.node_grid import NodeGrid, ahead, behind, median_around
+from labcal.detect.corners.roughest import roughest_clear
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -100,7 +101,7 @@ def _clear(wide: Round, nodes: np.ndarray, factor: float) -> np.ndarray:
         return kept
     grid, roughness = NodeGrid(nodes[kept]), wide.rms[kept] / (2.0 * wide.states[kept, 7])
     usual = median_around(grid.spread(roughness), _ROUGH_NODES)[grid.at]
-    return np.asarray(kept[roughness <= factor * usual])
+    return np.asarray(kept[roughness <= roughest_clear(usual, factor)])
 
 
 def _steps(places: np.ndarray) -> np.ndarray:
