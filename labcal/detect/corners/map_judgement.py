@@ -11,6 +11,11 @@ from labcal.detect.row_products import HIGH, add_own_products, copy_columns, fil
 
 _CHANCE = 0.01
 """Probability that a picture without any wrong corner loses one."""
+_WEAK = 16.0
+"""Stated variance, of the usual one, of a corner that is mostly covered: such a one is often fitted to what
+covers it."""
+_WEAK_CHANCE = 0.01
+"""Probability that such a corner is lost by chance."""
 _ROUNDS, _ROBUST_ROUNDS, _HALVINGS = 20, 6, 20
 _HEAVY = 4.0
 """Degrees of freedom of Student's distribution, whose weights a fit begins with."""
@@ -58,7 +63,11 @@ def judged(left: np.ndarray, rows: np.ndarray, covariance: np.ndarray) -> Judged
         As stated, px squared.
     """
     p, _, n = rows.shape
-    limit = _limit(n, p)
+    usual = max(0.5 * _median(covariance[:, 0, 0] + covariance[:, 1, 1]), _TINY)
+    limit = np.full(n, _limit(n, p, n / _CHANCE))
+    for k in range(n):
+        if covariance[k, 0, 0] + covariance[k, 1, 1] > 2.0 * _WEAK * usual:
+            limit[k] = _limit(n, p, 1.0 / _WEAK_CHANCE)
     more, weight, e = 0.0, np.ones(n), left
     for _ in range(_ROBUST_ROUNDS):
         e = _solved(left, rows, _raised(covariance, more), weight)[0]
@@ -86,20 +95,19 @@ def judged(left: np.ndarray, rows: np.ndarray, covariance: np.ndarray) -> Judged
     total = _raised(covariance, more)
     squares, length = _squares(e, total), p * log(2.0 * n)
     for k in range(n):
-        length += log(_determinant(total[k])) + min(squares[k], limit)
-    usual = max(0.5 * _median(covariance[:, 0, 0] + covariance[:, 1, 1]), _TINY)
+        length += log(_determinant(total[k])) + min(squares[k], limit[k])
     return Judged(kept, off / limit, more / usual, length)
 
 
 @compiled
-def _limit(n: int, p: int) -> float:
-    """Return the squared normalised difference that a corner exceeds by chance in one of a hundred pictures.
+def _limit(n: int, p: int, times: float) -> float:
+    """Return the squared normalised difference that a corner exceeds by chance once in so many times.
 
     Twice the quantile of an F distribution with two degrees of freedom and those of the variance, which
     rests on a median.
     """
     freedom = max(_EFFICIENCY * (2.0 * n - p), 1.0)
-    found: float = freedom * ((n / _CHANCE) ** (2.0 / freedom) - 1.0)
+    found: float = freedom * (times ** (2.0 / freedom) - 1.0)
     return found
 
 

@@ -12,6 +12,10 @@ _ARMS = ((1, 0.0), (1, pi), (0, 0.0), (0, pi))
 it gives the first."""
 
 
+_PARALLEL = 1.5
+"""Most angle between the edges of neighbours, of that from an edge to the next corner on it."""
+
+
 class CrossLimits(NamedTuple):
     """The settings of saddle points that crosses take."""
 
@@ -40,6 +44,7 @@ def saddle_crosses(
     n = len(place)
     arms, misfit, lengths = np.zeros((n, 4), dtype=np.int64), np.full(n, np.inf), np.empty(4)
     most, factor = limits.max_bend_deg * pi / 180.0, log(limits.max_step_factor)
+    parallel = _PARALLEL * most
     for i in range(n):
         lengths[:] = np.inf
         arms[i] = near[i, 0]
@@ -47,7 +52,7 @@ def saddle_crosses(
         own = _is_white(edges, white_between, i, bisector)
         for k in near[i]:
             alike = _is_white(edges, white_between, k, bisector) == own
-            if alike or not abs(log(step[k] / step[i])) < factor:
+            if alike or not abs(log(step[k] / step[i])) < factor or _turned(edges, i, k) > parallel:
                 continue
             x, y = place[k, 0] - place[i, 0], place[k, 1] - place[i, 1]
             angle, length = atan2(y, x), hypot(x, y)
@@ -58,6 +63,17 @@ def saddle_crosses(
         if lengths.max() < np.inf:
             misfit[i] = _misfit(place, i, (arms[i], lengths), limits.max_step_factor)
     return arms, misfit
+
+
+@compiled
+def _turned(edges: np.ndarray, i: int, k: int) -> float:
+    """Return by how much the edges of one saddle point are turned against those of another, at most (rad)."""
+    first, second, half = edges[i, 0] - edges[k, 0], edges[i, 1] - edges[k, 1], 0.5 * pi
+    straight = max(abs((first + half) % pi - half), abs((second + half) % pi - half))
+    first, second = edges[i, 0] - edges[k, 1], edges[i, 1] - edges[k, 0]
+    crossed = max(abs((first + half) % pi - half), abs((second + half) % pi - half))
+    turned: float = min(straight, crossed)
+    return turned
 
 
 @compiled

@@ -86,6 +86,16 @@ def test_a_board_with_more_columns_is_not_placed_by_the_rows_that_agree() -> Non
     assert len(corners_by_codes(grey, other, DetectSettings()).index) == 0
 
 
+@pytest.mark.parametrize("number", [113, 139])
+def test_saddle_points_of_white_strips_do_not_hide_the_lattice_of_a_blurred_board(number: int) -> None:
+    picture = charuco_picture(number, 12)  # strips beside the squares are as wide as the blur, markers unread
+    dots = detect_dots(picture.picture, picture.board)
+    assert dots.refusal is None
+    off = dots.position[dots.ok] - picture.corner[dots.index[dots.ok] @ [1, picture.board.cols]]
+    assert dots.ok.sum() > 20
+    assert np.abs(off).max() < 0.3
+
+
 def test_boards_with_other_codes_or_in_a_mirror_are_not_placed() -> None:
     exposure = view(10.0, 2.1)
     picture = drawn(exposure, charuco_ink(BOARD), (), np.random.default_rng(3))

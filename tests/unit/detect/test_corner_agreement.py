@@ -69,6 +69,23 @@ def test_half_covered_corners_of_other_boards_are_not_measured(
     assert dots.flag[at] is DotFlag.BAD_FIT
 
 
+@pytest.mark.parametrize(("sigmas", "factor", "known"), [(3.6, 8.0, 107), (2.4, 8.0, 108), (3.6, 1.0, 108)])
+def test_a_corner_that_is_mostly_covered_must_agree_more_closely(
+    sigmas: float, factor: float, known: int
+) -> None:
+    # A corner with a large stated error is often fitted to what covers it.
+    places, seen = _board(bend=0.0)
+    random = np.random.default_rng(3)
+    deviation = np.full(len(places), SIGMA)
+    deviation[40] *= factor
+    seen = seen + deviation[:, None] * random.normal(size=seen.shape)
+    seen[40] = _board(bend=0.0)[1][40] + [sigmas * deviation[40], 0.0]
+    covariance = deviation[:, None, None] ** 2 * np.eye(2)
+    kept = agreeing(places, seen, covariance)
+    assert kept.sum() == known
+    assert np.delete(kept, 40).all()
+
+
 def _board(bend: float, tilt: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
     """Return places (n, 2) on a board of 12 x 9, and where a tilted camera with a lens sees them, px."""
     places = np.stack(np.meshgrid(np.arange(12.0), np.arange(9.0)), axis=-1).reshape(-1, 2)
