@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 from jaxtyping import Int64
 
-from labcal.correspond.boards_table import log_left_out, numbers_of_boards
+from labcal.correspond.boards_table import numbers_of_boards, require_board
 from labcal.correspond.matching import Matches
 from labcal.correspond.points import Points
 from labcal.errors import InputError
@@ -107,11 +107,6 @@ def _of_one(points: Points, target: Target) -> Points:
     """Return the points of one board; points that state no boards as they are."""
     if not points.boards:
         return points
-    if target.name not in points.boards:
-        raise InputError(
-            f"The points are of the boards {listed(points.boards)}, and none of '{target.name}'. Name one of "
-            "these boards, or all of them."
-        )
-    log_left_out(points.boards, target)
+    require_board(points.boards, target, "The points are of")
     mine = points.where(points.board == target.name)
     return replace(mine, board=np.full(len(mine), ""))

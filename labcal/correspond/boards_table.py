@@ -130,16 +130,28 @@ def by_board(table: Detections, board: np.ndarray) -> Detections:
     return replace(table, view=np.array(named, dtype=np.str_))
 
 
-def log_left_out(stated: tuple[str, ...], target: Target) -> None:
-    """Log that dots of other boards than the target do not count.
+def require_board(stated: tuple[str, ...], target: Target, held: str) -> None:
+    """Require that lines of several boards hold one, and log that those of the others do not count.
 
     Parameters
     ----------
     stated : tuple of str
-        Names of the boards in the table.
+        Names of the boards in the lines.
     target : Target
         One board.
+    held : str
+        Beginning of the sentence that names the boards: ``"The table holds dots of"``.
+
+    Raises
+    ------
+    InputError
+        There is no line of the board.
     """
+    if target.name not in stated:
+        raise InputError(
+            f"{held} the boards {listed(stated)}, and none of '{target.name}'. Name one of these boards, or "
+            "all of them."
+        )
     others = [name for name in stated if name != target.name]
     if others:
         _LOG.warning(
@@ -153,11 +165,6 @@ def _of_one(table: Detections, target: Target) -> Detections:
     """Return the dots of one board of a table; a table that states no boards as it is."""
     if not table.boards:
         return table
-    if target.name not in table.boards:
-        raise InputError(
-            f"The table holds dots of the boards {listed(table.boards)}, and none of '{target.name}'. Name "
-            "one of these boards, or all of them."
-        )
-    log_left_out(table.boards, target)
+    require_board(table.boards, target, "The table holds dots of")
     mine = table.where((table.board == target.name) | (table.board == ""))
     return replace(mine, board=np.full(len(mine), ""))
