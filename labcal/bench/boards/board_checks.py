@@ -30,7 +30,7 @@ def board_checks(name: str, outcomes: Sequence[BoardOutcome], second: str) -> Fi
         for part in ("error", "covariance", "bound", "second_bound")
     )
     squares = np.einsum("ni,ni->n", error, np.linalg.solve(covariance, error[..., None])[..., 0])
-    not_indexed = 1.0 - float(np.mean([one.indexed for one in outcomes]))
+    not_indexed = float(np.mean([not one.indexed for one in outcomes]))
     checks = [
         at_most(f"{name}: share not indexed", not_indexed, MOST_NOT_INDEXED),
         at_most(f"{name}: wrong ids", float(sum(one.wrong for one in outcomes)), 0.0),

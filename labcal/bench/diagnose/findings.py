@@ -54,7 +54,7 @@ def diagnose_findings(bench: Bench) -> Findings:
     ordered = [_in_order(case, table[case]) for case in several]
     what = f"diagnose, {len(single)} mistakes"
     checks = [
-        at_most(f"{what}: share not named rightly", 1.0 - float(np.mean(right)), MISSED),
+        at_most(f"{what}: share not named rightly", float(np.mean(np.logical_not(right))), MISSED),
         at_most(f"diagnose, {count} good shoots: share accused", float(np.mean(accused)), ACCUSED),
     ]
     references = [

@@ -115,8 +115,8 @@ def coded_dot_checks(name: str, outcomes: list[CodedOutcome]) -> Findings:
     )
     squares = np.einsum("ni,ni->n", error, np.linalg.solve(covariance, error[..., None])[..., 0])
     checks = [
-        at_most(f"{name}: share not read, of a ring up to 30% hidden", 1.0 - _mean(found), MOST_MISSED),
-        at_most(f"{name}: share not read, ring in sight", 1.0 - _mean(found[hidden == 0.0]), MOST_MISSED),
+        at_most(f"{name}: share not read, of a ring up to 30% hidden", _mean(~found), MOST_MISSED),
+        at_most(f"{name}: share not read, ring in sight", _mean(~found[hidden == 0.0]), MOST_MISSED),
         at_most(f"{name}: wrong codes", float(sum(one.wrong for one in outcomes)), 0.0),
         at_most(f"{name}: RMS error over the Cramer-Rao bound", over_bound(error, bound), MOST_RATIO),
         at_most(
@@ -129,9 +129,7 @@ def coded_dot_checks(name: str, outcomes: list[CodedOutcome]) -> Findings:
         checks,
         [
             Figure(name=f"{name}: marks that should be read", value=float(len(found))),
-            Figure(
-                name=f"{name}: share not read, 10 to 30% hidden", value=1.0 - _mean(found[hidden > _MUCH])
-            ),
+            Figure(name=f"{name}: share not read, 10 to 30% hidden", value=_mean(~found[hidden > _MUCH])),
             Figure(name=f"{name}: RMS error over what is stated", value=over_bound(error, covariance)),
             Figure(
                 name=f"{name}: RMS error over the bound of a fit that weights pixels by their noise",

@@ -76,7 +76,7 @@ def _findings(name: str, found: Sequence[CheckFigures], kinds: tuple[ChangeKind,
     to_name = [one for one in telling if one.kind in kinds]
     unnamed = sum(one.named is not True for one in to_name) / max(1, len(to_name))
     named = [one.named for one in changed if one.found and one.named is not None]
-    wrong = 1.0 - float(np.mean(named)) if named else 0.0
+    wrong = float(np.mean(np.logical_not(named))) if named else 0.0
     words = listed([kind.value for kind in kinds])
     checks = [
         at_most(f"{name}, {still} unchanged rigs: share of false alarms", alarms, float(granted)),

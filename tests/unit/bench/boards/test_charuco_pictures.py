@@ -1,5 +1,7 @@
 """Drawn pictures of ChArUco boards against analytic edges, and their bound against derivatives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import ndtr
@@ -113,3 +115,6 @@ def test_a_picture_of_a_board_is_measured_and_its_checks_have_names() -> None:
     names = [check.name for check in board_checks("one", [outcome], EDGES).checks]
     assert names[:2] == ["one: share not indexed", "one: wrong ids"]
     assert sum("detectBoard" in name for name in names) == 2
+    lost = replace(outcome, indexed=False)
+    assert board_checks("hundred", [outcome] * 99 + [lost], EDGES).checks[0].ok  # one of a hundred is granted
+    assert not board_checks("hundred", [outcome] * 98 + [lost] * 2, EDGES).checks[0].ok
