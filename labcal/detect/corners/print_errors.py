@@ -10,11 +10,12 @@ from labcal.detect.corners.board_print import BoardPrint
 from labcal.detect.corners.printed_fit import PrintedCorner
 from labcal.detect.corners.printed_kernel import empty_rows, fill_printed
 from labcal.detect.corners.printed_lines import line_derivatives
+from labcal.detect.corners.tone_curve import by_tone
 
 _MOST = 24
 """Corners that tell the departures, spread over those that are measured."""
 _LINE, _TONE = 0.01, 0.2
-"""Expected departures: of lines, squares; of tone, shares of the half step."""
+"""Expected departures: of lines, squares; of tone, its c."""
 _LEAST_NOISE = 0.1
 """Of a pixel, grey values."""
 _CHANCE = 1e-3
@@ -33,7 +34,7 @@ class PrintErrors:
     ----------
     values : ndarray, shape (p,)
         Displacement of the lines of markers, each the same in all markers, along x and then along y, squares;
-        and c, the share of ``1 - X^2`` of the half step that is added to a pattern X.
+        and c of the curve from light to grey values (:mod:`labcal.detect.corners.tone_curve`).
     covariance : ndarray, shape (p, p)
         Of these; zero where the print is as it is designed.
     """
@@ -51,6 +52,13 @@ class PrintErrors:
     def tone(self) -> float:
         """C."""
         return float(self.values[-1])
+
+    def are_near(self, before: "PrintErrors") -> bool:
+        """Tell whether they differ from those of the round before by less than their own error."""
+        if not self.covariance.any():
+            return not before.covariance.any()
+        change = self.values - before.values
+        return float(change @ np.linalg.solve(self.covariance, change)) < 1.0
 
     def of(self, design: BoardPrint) -> BoardPrint:
         """Return the print with its lines where they are."""
@@ -119,7 +127,7 @@ class _Evidence:
         fill_printed(fit.state, pixels, fit.around, fit.print_, rows)
         place = fit.around, fit.print_
         line_derivatives(fit.state, pixels[0], place, (design.x_kinds, design.y_kinds), D[:-1])
-        D[-1] = rows[1][4] * fit.state[7] * (1.0 - rows[2] ** 2)
+        D[-1] = rows[1][4] * fit.state[7] * by_tone(rows[2], float(fit.state[10]))
         J, noise = rows[1], max(fit.roughness * fit.step, _LEAST_NOISE)
         mixed = J @ D.T
         common = np.linalg.solve(J @ J.T + fit.prior, mixed)

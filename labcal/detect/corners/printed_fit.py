@@ -18,7 +18,7 @@ from labcal.detect.corners.printed_kernel import (
 )
 from labcal.detect.corners.printed_place import LocalMap
 from labcal.detect.corners.printed_window import print_pixels
-from labcal.detect.corners.uncovered import uncovered
+from labcal.detect.corners.uncovered import noise_around, uncovered
 from labcal.detect.grey import GreyPicture
 from labcal.detect.row_products import filled_up
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -92,7 +92,7 @@ def fit_print(
     place : (LocalMap, ndarray)
         The map, and the information on it (10, 10).
     print_ : (PrintLines, float)
-        And the share of ``1 - X^2`` that a tone curve adds to the pattern X.
+        And the c of its :mod:`~labcal.detect.corners.tone_curve`.
     settings : CornerSettings
     roughest : float
         Noise over the step, beyond which pixels are taken for covered and left out.
@@ -112,8 +112,10 @@ def fit_print(
     if not whole:
         rows = empty_rows(len(value))
         fill_printed(state, (offset, value), around, lines, rows)
-        noise, blur = max(roughest * first.step, _LEAST_NOISE), float(state[4:6].max())
-        seen = uncovered(mask, rows[0], noise, blur)
+        n, least = len(value), max(roughest * first.step, _LEAST_NOISE)
+        residual = rows[0][:n]
+        noises = noise_around(residual, rows[2][:n], least)
+        seen = uncovered(mask, residual, noises, float(state[4:6].max()))
         if seen.mean() < _LEAST_SEEN:
             return None
         mask[mask] = seen

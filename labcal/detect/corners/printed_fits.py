@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from labcal.detect.corners.board_print import board_print
+from labcal.detect.corners.corner_agreement import agreeing
 from labcal.detect.corners.corner_fit import SettledCorner, judge_all
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.known_light import light_slopes
@@ -27,8 +28,9 @@ _ROUGH_NODES = 2
 """Nodes to either side whose residuals are the usual ones."""
 _ROUGHEST, _ROUGHEST_SHARE = 1.6, 0.002
 """Residuals, in usual ones and besides in the step, above which a corner tells nothing of those around it."""
-_ROUNDS, _MOST_ROUNDS = 2, 3
-"""Fits, at least, and with departures of the print; the map around a corner is that of the round before."""
+_ROUNDS, _MOST_ROUNDS = 2, 5
+"""Fits, at least, and with departures of the print that change; the map around a corner is that of the round
+before."""
 
 
 def printed_corners(
@@ -59,7 +61,7 @@ def printed_corners(
         if number == _MOST_ROUNDS:
             break
         departures = print_errors(design, errors, [fit for fit in printed.values() if fit.whole])
-        if number >= _ROUNDS and departures is errors:
+        if number >= _ROUNDS and departures.are_near(errors):
             break
         errors = departures
     fits |= {node: with_print_errors(design, errors, fit) for node, fit in printed.items()}
@@ -119,11 +121,23 @@ def _by_print(
 
 
 def _errors(fits: Mapping[Node, SettledCorner], settings: CornerSettings) -> dict[Node, float]:
-    """Return the errors of fits' places along either axis, px; infinite if unknown."""
-    return {
-        node: float("inf") if certain is None else float(np.sqrt(0.5 * np.trace(certain.covariance)))
-        for node, certain in zip(fits, judge_all(list(fits.values()), settings), strict=True)
-    }
+    """Return the errors of fits' places along either axis, px; infinite of those that tell nothing.
+
+    These are the ones whose error is unknown, and those that are not where the others predict them: corners
+    fitted to the edge of something in front of the board.
+    """
+    certain = dict(zip(fits, judge_all(list(fits.values()), settings), strict=True))
+    judged = {node: fit for node, fit in certain.items() if fit is not None}
+    errors = dict.fromkeys(fits, float("inf"))
+    if judged:
+        kept = agreeing(
+            np.array(list(judged), dtype=np.float64),
+            np.stack([fit.centre for fit in judged.values()]),
+            np.stack([fit.covariance for fit in judged.values()]),
+        )
+        for (node, fit), agrees in zip(judged.items(), kept.tolist(), strict=True):
+            errors[node] = float(np.sqrt(0.5 * np.trace(fit.covariance))) if agrees else float("inf")
+    return errors
 
 
 def _as_printed(

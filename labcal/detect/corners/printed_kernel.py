@@ -24,6 +24,7 @@ from labcal.detect.corners.printed_profile import (
     seen_lines,
     write_profile,
 )
+from labcal.detect.corners.tone_curve import tone_terms, toned
 from labcal.detect.row_products import add_own_products, filled_up
 
 FREE = 16
@@ -74,7 +75,7 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
     Parameters
     ----------
     state : ndarray, shape (PARAMETERS + 1,)
-        Of a chessboard's corner, and the share c of ``1 - X^2`` that a tone curve adds to the pattern X.
+        Of a chessboard's corner, and the c of a :mod:`~labcal.detect.corners.tone_curve`.
     pixels : tuple of ndarray
         Offsets (2, n) from where the fit begins, and values (n,).
     around : LocalMap
@@ -84,7 +85,7 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
     """
     offset, value = pixels
     residual, jacobian, board, off_edges = rows
-    mean, half, gx, gy, tone = state[6], state[7], state[8], state[9], state[10]
+    mean, half, gx, gy, terms_of_tone = state[6], state[7], state[8], state[9], tone_terms(state[10])
     h, terms, off_all = around.perspective, np.empty(_TERMS), sqrt(-2.0 * log(_FLAT))
     # A blur that runs away may reach all lines.
     across, down = np.empty((4, len(print_.x) + 1)), np.empty((4, len(print_.y) + 1))
@@ -134,15 +135,15 @@ def fill_printed(  # noqa: PLR0915 -- one pass over the pixels
                 by_y += share * across[0, i] * d
                 by_blur0 += share * across[2, i] * w
                 by_blur1 += share * across[0, i] * e
-        toned = X + tone * (1.0 - X * X)
-        plain = mean + half * toned
-        height = light * half * (1.0 - 2.0 * tone * X)
+        pattern, steepness = toned(X, terms_of_tone)
+        plain = mean + half * pattern
+        height = light * half * steepness
         jacobian[0, k] = -height * (by_x * px + by_y * qx)
         jacobian[1, k] = -height * (by_x * py + by_y * qy)
         jacobian[2, k] = height * (by_blur0 * first.blur / state[4] + 2.0 * seen.moved[0] * by_x)
         jacobian[3, k] = height * (by_blur1 * second.blur / state[5] + 2.0 * seen.moved[1] * by_y)
         jacobian[4, k] = light
-        jacobian[5, k] = light * toned
+        jacobian[5, k] = light * pattern
         for term in range(_TERMS):
             jacobian[_OWN + term, k] = height * by_x * terms[term]
             jacobian[_OWN + _TERMS + term, k] = height * by_y * terms[term]
