@@ -63,7 +63,7 @@ def charuco_outcome(picture: CharucoPicture, random: np.random.Generator) -> Boa
 
 
 def _bounds(picture: CharucoPicture, number: int) -> np.ndarray:
-    """Return the least covariances of a corner: by all ink, and by the edges of the squares alone."""
+    """Return the least covariances of a corner: by all ink in sight, and by the squares' edges alone."""
     centre, exposure, board = picture.corner[number], picture.exposure, picture.board
     light, axes = float(exposure.light(centre)), picture.axes(number)
     x, y = board.points()[number, :2].tolist()
@@ -72,7 +72,9 @@ def _bounds(picture: CharucoPicture, number: int) -> np.ndarray:
     def ink(col: np.ndarray, row: np.ndarray) -> np.ndarray:
         return print_(x + board.square_mm * col, y + board.square_mm * row)
 
-    printed = PrintedCorner(centre, axes, exposure.blur_px, INK * light, PAPER * light, ink)
+    printed = PrintedCorner(
+        centre, axes, exposure.blur_px, INK * light, PAPER * light, ink, picture.covers
+    )  # fmt: skip
     edges = ImagedCorner(
         centre, axes, exposure.blur_px, INK * light, PAPER * light, clear=board.corner_gap
     )  # fmt: skip

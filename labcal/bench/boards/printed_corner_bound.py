@@ -11,11 +11,13 @@ import numpy as np
 
 from labcal.bench.boards.corner_bound import FINER, STEP
 from labcal.bench.detect.bound import place_bounds
-from labcal.bench.marks.drawn_picture import Print
+from labcal.bench.marks.drawn_picture import Cover, Print
 
 _REACH_SIGMAS = 4.0
 _REACH = 0.5
 """Pixels count up to so many squares from the corner, along either edge: beyond, the next one is nearer."""
+_CLEAR_BLURS = 2.0
+"""Distance from what covers the print at which pixels see the print alone."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,8 @@ class PrintedCorner:
         Levels of ink and paper, in the unit of the noise.
     ink : callable
         Share of ink at places around the corner, in squares from it.
+    covers : tuple of Cover
+        In front of the print: what lies behind them tells nothing.
     """
 
     centre: np.ndarray
@@ -42,6 +46,7 @@ class PrintedCorner:
     dark: float
     light: float
     ink: Print
+    covers: tuple[Cover, ...] = ()
 
 
 def printed_corner_bounds(corner: PrintedCorner, noises: np.ndarray) -> np.ndarray:
@@ -84,6 +89,9 @@ def _derivatives(corner: PrintedCorner) -> tuple[np.ndarray, np.ndarray]:
     level = (corner.light + fall * share) / corner.light
     along = np.einsum("ij,jhw->ihw", np.linalg.inv(corner.axes), away)
     inside = np.abs(along).max(axis=0) <= _REACH
+    q = np.stack([x + low[0], y + low[1]], axis=-1).astype(np.float64)
+    for cover in corner.covers:
+        inside &= cover.distance(q) > _CLEAR_BLURS * corner.blur_px
     D = np.stack([*shaped, 1.0 - share, share, level * away[0], level * away[1]])
     return D[:, inside], share[inside]
 

@@ -6,6 +6,16 @@ from labcal.detect.corners.node_grid import NodeGrid, around
 
 _FLAT = 1e-6
 """Least determinant of the normal equations, scaled, of nodes that are not on one line."""
+_OF_MEDIAN = 1.4826
+"""Standard deviation of normal residuals, in the median of their sizes."""
+_LEAST_LEFT = 0.002
+"""Of a level's logarithm: what noise and a curve of the light leave."""
+_FAR_OFF = 3.0
+"""Of what planes leave, in the usual: such a level is not one of the board alone."""
+_ROUGH = 0.01
+"""And usually, of a level's logarithm: one level may have turned the plane through few."""
+_ROUNDS = 8
+"""Fits with weights."""
 
 
 def light_slopes(
@@ -40,15 +50,46 @@ def light_slopes(
 
 
 def _slopes_of(near: np.ndarray, places: np.ndarray, fewest: int) -> np.ndarray:
-    """Return slopes at corners (n, 2) from the places and levels (k, n, 3) near each; NaN for too few."""
+    """Return slopes at corners (n, 2) from the places and levels (k, n, 3) near each; NaN for too few.
+
+    A level that is far off, of a corner at which something covers the board, hardly counts: where there are
+    such levels, planes are fitted with the weights of Cauchy's distribution.
+    """
     known = np.isfinite(near[..., 2])
     away = np.where(known[..., None], near[..., :2] - places, 0.0)
     scale = np.maximum(np.abs(away).max(axis=(0, 2)), 1.0)
     design = np.concatenate([known[..., None].astype(np.float64), away / scale[:, None]], axis=-1)
-    normal = np.einsum("kni,knj->nij", design, design)
-    right = np.einsum("kni,kn->ni", design, np.where(known, near[..., 2], 0.0))
-    enough = (known.sum(axis=0) >= fewest) & (np.linalg.det(normal) > _FLAT)
-    slopes = np.full((len(places), 2), np.nan)
+    level = np.where(known, near[..., 2], 0.0)
+    planes = _planes(design, level, known.astype(np.float64))
+    planes[known.sum(axis=0) < fewest] = np.nan
+    left, usual = _left(design, level, known, planes)
+    off = (left > _FAR_OFF * usual).any(axis=0) | (usual > _ROUGH)
+    doubtful = np.flatnonzero(off & np.isfinite(planes[:, 0]))
+    for _ in range(_ROUNDS if len(doubtful) else 0):
+        own = design[:, doubtful], level[:, doubtful], known[:, doubtful]
+        left, usual = _left(*own, planes[doubtful])
+        planes[doubtful] = _planes(*own[:2], own[2] / (1.0 + (left / usual) ** 2))
+    return np.asarray(planes[:, 1:] / scale[:, None])
+
+
+def _planes(design: np.ndarray, level: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return level and slopes (n, 3) by weighted least squares; NaN where places are on one line."""
+    weighted = design * weight[..., None]
+    normal = np.einsum("kni,knj->nij", weighted, design)
+    right = np.einsum("kni,kn->ni", weighted, level)
+    size = np.maximum(normal[:, :1, :1], _FLAT)
+    enough = np.linalg.det(normal / size) > _FLAT
+    planes = np.full(right.shape, np.nan)
     if enough.any():
-        slopes[enough] = np.linalg.solve(normal[enough], right[enough][..., None])[:, 1:, 0]
-    return np.asarray(slopes / scale[:, None])
+        planes[enough] = np.linalg.solve(normal[enough], right[enough][..., None])[..., 0]
+    return planes
+
+
+def _left(
+    design: np.ndarray, level: np.ndarray, known: np.ndarray, planes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sizes of what planes leave of levels (k, n), and the usual size of each plane (n,)."""
+    left = np.abs(level - np.einsum("kni,ni->kn", design, planes))
+    ordered = np.sort(np.where(known, left, np.inf), axis=0)
+    middle = np.take_along_axis(ordered, (known.sum(axis=0) // 2)[None], axis=0)[0]
+    return np.where(known, left, 0.0), np.maximum(_OF_MEDIAN * middle, _LEAST_LEFT)

@@ -18,7 +18,7 @@ from labcal.detect.corners.printed_kernel import (
 )
 from labcal.detect.corners.printed_place import LocalMap
 from labcal.detect.corners.printed_window import print_pixels
-from labcal.detect.corners.uncovered import uncovered
+from labcal.detect.corners.uncovered import noise_around, uncovered
 from labcal.detect.grey import GreyPicture
 from labcal.detect.row_products import filled_up
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -112,8 +112,10 @@ def fit_print(
     if not whole:
         rows = empty_rows(len(value))
         fill_printed(state, (offset, value), around, lines, rows)
-        noise, blur = max(roughest * first.step, _LEAST_NOISE), float(state[4:6].max())
-        seen = uncovered(mask, rows[0], noise, blur)
+        n, least = len(value), max(roughest * first.step, _LEAST_NOISE)
+        residual = rows[0][:n]
+        noises = noise_around(residual, rows[2][:n], least)
+        seen = uncovered(mask, residual, noises, float(state[4:6].max()))
         if seen.mean() < _LEAST_SEEN:
             return None
         mask[mask] = seen

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from labcal.detect.corners.board_print import board_print
+from labcal.detect.corners.corner_agreement import agreeing
 from labcal.detect.corners.corner_fit import SettledCorner, judge_all
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.known_light import light_slopes
@@ -119,11 +120,23 @@ def _by_print(
 
 
 def _errors(fits: Mapping[Node, SettledCorner], settings: CornerSettings) -> dict[Node, float]:
-    """Return the errors of fits' places along either axis, px; infinite if unknown."""
-    return {
-        node: float("inf") if certain is None else float(np.sqrt(0.5 * np.trace(certain.covariance)))
-        for node, certain in zip(fits, judge_all(list(fits.values()), settings), strict=True)
-    }
+    """Return the errors of fits' places along either axis, px; infinite of those that tell nothing.
+
+    These are the ones whose error is unknown, and those that are not where the others predict them: corners
+    fitted to the edge of something in front of the board.
+    """
+    certain = dict(zip(fits, judge_all(list(fits.values()), settings), strict=True))
+    judged = {node: fit for node, fit in certain.items() if fit is not None}
+    errors = dict.fromkeys(fits, float("inf"))
+    if judged:
+        kept = agreeing(
+            np.array(list(judged), dtype=np.float64),
+            np.stack([fit.centre for fit in judged.values()]),
+            np.stack([fit.covariance for fit in judged.values()]),
+        )
+        for (node, fit), agrees in zip(judged.items(), kept.tolist(), strict=True):
+            errors[node] = float(np.sqrt(0.5 * np.trace(fit.covariance))) if agrees else float("inf")
+    return errors
 
 
 def _as_printed(

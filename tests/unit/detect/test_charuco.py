@@ -11,7 +11,7 @@ from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
 from labcal.detect.corners.corner_kernel import CHESSBOARD, pattern_values
 from labcal.detect.corners.corner_model import CornerPixels, linearise
 from labcal.detect.corners.local_maps import local_maps
-from labcal.detect.corners.uncovered import uncovered
+from labcal.detect.corners.uncovered import noise_around, uncovered
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
@@ -380,9 +380,26 @@ def test_maps_around_corners_follow_a_lens_and_perspective() -> None:
 def test_pixels_that_something_covers_are_left_out_and_no_others() -> None:
     mask = np.hypot(*(np.mgrid[:41, :41] - 20.0)) < 20.0
     residual = np.random.default_rng(0).normal(0.0, 2.0, mask.shape)
-    assert uncovered(mask, residual[mask], 2.0, 0.8).all()
+    noise = np.full(mask.sum(), 2.0)
+    assert uncovered(mask, residual[mask], noise, 0.8).all()
     residual[:, 30:] += 9.0
     columns = np.broadcast_to(np.arange(41), mask.shape)[mask]
-    seen = uncovered(mask, residual[mask], 2.0, 0.8)
+    seen = uncovered(mask, residual[mask], noise, 0.8)
     assert not seen[columns >= 29].any()  # what is covered, and its blurred edge
     assert seen[columns < 22].all()
+
+
+def test_white_pixels_in_bright_light_are_not_taken_for_covered() -> None:
+    # Photon noise of white is larger than the usual noise of pixels black and white.
+    mask = np.hypot(*(np.mgrid[:41, :41] - 20.0)) < 20.0
+    white = (np.mgrid[:41, :41] < 20).any(axis=0)
+    residual = np.where(white, 4.5, 1.0) * np.random.default_rng(0).normal(size=mask.shape)
+    pattern = np.where(white, 1.0, -1.0)[mask]
+    noise = noise_around(residual[mask], pattern, 2.0)
+    assert np.abs(noise - np.where(pattern > 0.0, 4.5, 2.0)).max() < 0.5
+    assert uncovered(mask, residual[mask], noise, 0.8).all()
+    residual[:, 33:] -= 25.0
+    columns = np.broadcast_to(np.arange(41), mask.shape)[mask]
+    seen = uncovered(mask, residual[mask], noise_around(residual[mask], pattern, 2.0), 0.8)
+    assert not seen[columns >= 32].any()
+    assert seen[columns < 25].all()

@@ -13,7 +13,7 @@ from labcal.bench.boards.charuco_picture import COARSE, FINE, charuco_picture
 from labcal.bench.boards.charucos import EDGES, charuco_outcome
 from labcal.bench.boards.corner_bound import ImagedCorner, corner_bounds
 from labcal.bench.boards.printed_corner_bound import PrintedCorner, printed_corner_bounds, printed_share
-from labcal.bench.marks.drawn_picture import INK, PAPER, Exposure, drawn
+from labcal.bench.marks.drawn_picture import INK, PAPER, Cover, Exposure, drawn
 from labcal.targets.charuco_opencv import markers
 
 AXES = np.array([[21.0, 4.0], [-3.0, 19.0]])
@@ -68,6 +68,20 @@ def test_the_bound_of_a_print_without_markers_is_that_of_a_chessboard() -> None:
     printed = printed_corner_bounds(PrintedCorner(centre, AXES, 1.1, INK, PAPER, chessboard), noises)
     plain = corner_bounds(ImagedCorner(centre, AXES, 1.1, INK, PAPER), noises)
     assert printed == pytest.approx(plain, rel=0.01, abs=1e-9)
+
+
+def test_what_is_covered_does_not_tell_of_a_corner() -> None:
+    centre, noises = np.array([40.3, 31.8]), np.array([[0.02, 0.02]])
+
+    def trace(*covers: Cover) -> float:
+        imaged = PrintedCorner(centre, AXES, 1.1, INK, PAPER, chessboard, covers)
+        return float(np.trace(printed_corner_bounds(imaged, noises)[0]))
+
+    size, along = np.array([10.0, 10.0]), AXES[:, 0] / np.linalg.norm(AXES[:, 0])
+    away = Cover(centre + 90.0, size, 0.0, 0.1)
+    over_an_edge = Cover(centre + 18.0 * along, size, float(np.arctan2(along[1], along[0])), 0.1)
+    assert trace(away) == trace()
+    assert 1.2 * trace() < trace(over_an_edge) < 4.0 * trace()
 
 
 def test_the_bound_is_what_the_derivatives_of_a_drawing_give() -> None:
