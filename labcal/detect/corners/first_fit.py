@@ -79,7 +79,7 @@ def leaves_out_clipped(state: np.ndarray, limits: FitLimits) -> bool:
 
     Edges without blur, as in drawings, are nothing but black and clipped white.
     """
-    return min(state[4], state[5]) > _WIDE_BLURS * limits.min_blur_px
+    return bool(min(state[4], state[5]) > _WIDE_BLURS * limits.min_blur_px)
 
 
 @compiled

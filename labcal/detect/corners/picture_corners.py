@@ -135,8 +135,8 @@ def _added(fit: SettledCorner, most: float, settings: CornerSettings) -> np.ndar
     """Return the covariance of a fit's place that is not from noise, px squared, shape (2, 2)."""
     hard = hard_edge_covariance(fit, settings.min_blur_px)
     if isinstance(fit, PrintedCorner):
-        return hard + fit.shared
-    return hard + clipped_edge_covariance(fit, most)
+        return np.asarray(hard + fit.shared)
+    return np.asarray(hard + clipped_edge_covariance(fit, most))
 
 
 def _judged(fits: Sequence[SettledCorner | None], settings: CornerSettings) -> list[CornerFit | None]:
