@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from labcal.correspond.name_patterns import ANY, NameParts, name_parts
 
+_MOST_DIGITS = 30
 _CAMERAS, _LEAST_VIEWS, _PAIR = range(2, 5), 4, 2
 
 
@@ -30,6 +31,8 @@ def glued_cameras(images: Sequence[str]) -> tuple[str | None, tuple[str, ...]] |
     if place is None:
         return None
     numbers = [name.parts[place] for name in names]
+    if max(map(len, numbers)) > _MOST_DIGITS:
+        return None
     values = sorted({int(number) for number in numbers})
     if len(set(numbers)) < len(images) or values == list(range(values[0], values[0] + len(values))):
         return None

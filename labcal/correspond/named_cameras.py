@@ -12,7 +12,7 @@ from pathlib import Path
 
 from labcal.correspond.camera_called import cameras_called
 from labcal.correspond.camera_folders import camera_folders, equal_folders
-from labcal.correspond.cameras_in_turn import cameras_in_turn, is_date, order_option
+from labcal.correspond.cameras_in_turn import cameras_in_turn, order_option
 from labcal.correspond.glued_numbers import glued_cameras
 from labcal.correspond.name_patterns import ANY, NameParts, best_pattern, name_parts, view_in
 from labcal.correspond.natural_order import in_order
@@ -27,7 +27,7 @@ _NO_CAMERA = {
 """Words before a number that does not count cameras."""
 _MOST_CAMERAS, _MOST_NAMED = 8, 64
 """Cameras that parts of names may tell, unless they are called so; and as many if they are."""
-_SERIAL_DIGITS, _DEVICE_DIGITS = 5, 7
+_SERIAL_DIGITS = 5
 _FULL, _FULL_VIEWS, _MANY_VIEWS = 0.8, 3, 5
 """Share of pictures, and whole views, from which on some may be missing where a single digit or letter at the
 end of the names is the camera's; and whole views where a folder, a word or the number of a device is."""
@@ -153,18 +153,9 @@ class _Names:
             if any(_without(start, texts) in _SIDES for start in ("", common)):
                 return True
             before = {common.rstrip("-_ .0"), self._word_before(place)}
-            called = before & _CAMERA and self.kinds[place] != "moment"
-            if min(often.values()) > 1 and (called or self._is_device(place)):
+            if before & _CAMERA and min(often.values()) > 1 and self.kinds[place] != "moment":
                 return True
         return False
-
-    def _is_device(self, place: int) -> bool:
-        """Tell whether a part is the long number of a device, no date and no count."""
-        texts = {split.parts[place] for split in self.splits}
-        numbers = sorted(int(text) for text in texts if text.isdecimal())
-        long = len(numbers) == len(texts) > 1 and min(map(len, texts)) >= _DEVICE_DIGITS
-        counts_on = long and numbers[-1] - numbers[0] == len(numbers) - 1
-        return long and not counts_on and not any(is_date(text) for text in texts)
 
     def _word_before(self, place: int) -> str:
         """Return the word that stands before a part, where it is the same in all names."""

@@ -58,9 +58,9 @@ PAIRED = {
     "a glued digit within": (crossed("shot{n:02d}{c}_x.png", ("0", "1")), "shot*0_x=cam0,shot*1_x=cam1"),
     "three glued digits": (crossed("c{c}{n:02d}.png", ("1", "2", "3")), "c1*=cam1,c2*=cam2,c3*=cam3"),
     "folders without letters": (crossed("{c}/{n:02d}.png", ("左", "右")), "右/*=cam1,左/*=cam2"),
-    "few views of many devices": (
-        crossed("{c}/{n}.png", tuple(f"2375{n * n + 1800}" for n in range(5)), 3),
-        ",".join(f"2375{n * n + 1800}/*=cam2375{n * n + 1800}" for n in range(5)),
+    "stamps and a digit": (
+        crossed("17000000{n:02d}123_{c}.png", ("0", "1")),
+        "_0=cam0,_1=cam1",
     ),
     "right ones lost": (crossed("{c}{n:02d}.png", ("left", "right"))[:-3], "left*=left,right*=right"),
 }
@@ -162,6 +162,12 @@ def test_what_is_taken_as_one_camera_in_doubt_is_said(names: str, tmp_path: Path
 @pytest.mark.parametrize("names", [name for name in ONE_CAMERA if name not in ("odd paths", "near and far")])
 def test_pictures_of_one_camera_raise_no_doubt(names: str) -> None:
     assert doubts(ONE_CAMERA[names]) is None
+
+
+def test_numbers_of_any_length_are_names() -> None:
+    long = "7" * 5000
+    assert named_cameras([f"{long}{view}{camera}.png" for view in range(8) for camera in (1, 2)]) is None
+    assert named_cameras([f"{camera}{long}_{view}.png" for view in range(8) for camera in (1, 2)]) is not None
 
 
 def test_frames_are_in_the_order_of_their_numbers(tmp_path: Path) -> None:
