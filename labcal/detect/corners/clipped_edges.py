@@ -1,9 +1,14 @@
 """Uncertainty of corners beside white that is clipped: their edges are seen from one side only."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import SettledCorner
+from labcal.detect.corners.printed_fit import PrintedCorner
+from labcal.detect.dots import PictureDots
 from labcal.detect.grey import GreyPicture, clipping
 from labcal.detect.settings import DetectSettings
 
@@ -38,6 +43,30 @@ def burnt_words(grey: GreyPicture, corners: Pixels, settings: DetectSettings) ->
     if board.size == 0 or np.count_nonzero(board >= most) <= _MOST_CLIPPED * board.size:
         return ""
     return " Its white is as bright as the picture can be: shorten the exposure time."
+
+
+def with_clipped_edges(
+    dots: PictureDots, fits: Sequence[SettledCorner | None], grey: GreyPicture, settings: DetectSettings
+) -> PictureDots:
+    """Return the corners of a picture with what clipped white adds to their covariances.
+
+    Parameters
+    ----------
+    dots : PictureDots
+    fits : sequence of SettledCorner or None
+        Of the corners, in their order.
+    grey : ndarray, shape (h, w)
+        The picture.
+    settings : DetectSettings
+    """
+    most = clipping(grey, settings.corner.clipped_value_share)[1]
+    if np.isinf(most):
+        return dots
+    covariance = dots.covariance.copy()
+    for k, fit in enumerate(fits):
+        if fit is not None and not isinstance(fit, PrintedCorner):
+            covariance[k] += clipped_edge_covariance(fit, most)
+    return replace(dots, covariance=covariance)
 
 
 def clipped_edge_covariance(fit: SettledCorner, most: float) -> np.ndarray:

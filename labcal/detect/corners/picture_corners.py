@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from labcal.arrays import DotIndices, Pixels
-from labcal.detect.corners.clipped_edges import clipped_edge_covariance
+from labcal.detect.corners.clipped_edges import with_clipped_edges
 from labcal.detect.corners.corner_fit import SettledCorner, is_cut, judge_all
 from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corners import Corners, spans_a_plane
@@ -16,7 +16,7 @@ from labcal.detect.dots import PictureDots
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.outline_noise import beside_flat_parts, smooth_wave_ratio
 from labcal.detect.flags import DotFlag, Refusal
-from labcal.detect.grey import GreyPicture, clipping
+from labcal.detect.grey import GreyPicture
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.detect.stage_settings.edge import EdgeSettings
@@ -44,13 +44,12 @@ def picture_corners(
     corners = corners.select(np.lexsort((corners.index[:, 0], corners.index[:, 1])))
     n = len(corners.fits)
     fits = _judged(corners.fits, settings.corner)
-    most = clipping(grey, settings.corner.clipped_value_share)[1]
     factor = _factor([fit for fit in fits if fit is not None], settings.edge)
     missing = np.full((2, 2), np.nan)
     covariance = [
         missing
         if fit is None or settled is None
-        else factor * fit.covariance + _added(settled, most, settings.corner)
+        else factor * fit.covariance + _added(settled, settings.corner)
         for fit, settled in zip(fits, corners.fits, strict=True)
     ]
     dots = PictureDots(
@@ -75,6 +74,7 @@ def picture_corners(
         seen_at=corners.seen_at,
         outline=np.full((n, 2, 2), np.nan),
     )
+    dots = with_clipped_edges(dots, corners.fits, grey, settings)
     return dots if refusal is None else dots.refused(refusal)
 
 
@@ -131,12 +131,10 @@ def refused_as_few(dots: PictureDots, placed: DotIndices, detail: str) -> Pictur
     return dots.refused(Refusal.TORN_CORNERS if torn else Refusal.TOO_FEW_DOTS, detail)
 
 
-def _added(fit: SettledCorner, most: float, settings: CornerSettings) -> np.ndarray:
+def _added(fit: SettledCorner, settings: CornerSettings) -> np.ndarray:
     """Return the covariance of a fit's place that is not from noise, px squared, shape (2, 2)."""
     hard = hard_edge_covariance(fit, settings.min_blur_px)
-    if isinstance(fit, PrintedCorner):
-        return np.asarray(hard + fit.shared)
-    return np.asarray(hard + clipped_edge_covariance(fit, most))
+    return hard + fit.shared if isinstance(fit, PrintedCorner) else hard
 
 
 def _judged(fits: Sequence[SettledCorner | None], settings: CornerSettings) -> list[CornerFit | None]:
