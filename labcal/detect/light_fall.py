@@ -21,7 +21,7 @@ _DARKEST = 1e-6
 """Of a level, grey values."""
 _CLIPPED, _BLURS = 0.05, 2.2
 """Share of the brighter side from which on it is clipped; and blurs that an edge then moves for each factor e
-of light, RMS of drawn boards whose light is 1.1 to 1.6 times the clipping value and rises by 30% across them."""
+of light, RMS of drawn boards whose light is 1.1 to 1.6 times the clipping value and rises by 30% across."""
 _LIMITS = AroundLimits(_NEIGHBOURS + 1, _FEWEST, _MOST_OBLONG, _MOST_ADDED, _DARKEST)
 
 
