@@ -9,7 +9,7 @@ from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import SettledCorner, fit_corners
 from labcal.detect.corners.corner_window import Places, WindowLimits
 from labcal.detect.corners.wider_fits import wider_fits
-from labcal.detect.grey import GreyPicture
+from labcal.detect.grey import GreyPicture, clipping
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.prediction import Prediction, Predictor
 from labcal.detect.medians import median_of
@@ -184,12 +184,15 @@ class _Search:
     settings: CornerSettings
     black: np.ndarray
     """Black squares, by the corner to whose upper right they lie, shape (cols, rows)."""
+    most: float
+    """Grey value from which on the picture is clipped."""
 
     @classmethod
     def of(cls, grey: GreyPicture, board: SquareBoard, settings: CornerSettings) -> "_Search":
         """Return the search in a picture."""
         i, j = np.indices((board.cols, board.rows)).reshape(2, -1) + 1
-        return cls(grey, board, settings, board.is_black(i, j).reshape(board.cols, board.rows))
+        black = board.is_black(i, j).reshape(board.cols, board.rows)
+        return cls(grey, board, settings, black, clipping(grey, settings.clipped_value_share)[1])
 
     def fits_at(self, predictions: dict[Node, Prediction]) -> list[SettledCorner | None]:
         """Return the fits of corners where their neighbours predict them; None for those that are none."""
@@ -215,6 +218,7 @@ class _Search:
         limits[:, 1] = board.corner_gap
         limits[:, 2] = [board.clear_reach(col, row) for col, row in index.tolist()]
         limits[:, 3], limits[:, 4] = max(settings.min_reach_px, reach), settings.max_reach_squares
+        limits[:, 5] = self.most
         return Places(seen_at, axes, np.zeros((len(index), 2)), limits)
 
 

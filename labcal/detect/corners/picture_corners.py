@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from labcal.arrays import DotIndices, Pixels
+from labcal.detect.corners.clipped_edges import with_clipped_edges
 from labcal.detect.corners.corner_fit import SettledCorner, is_cut, judge_all
 from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corners import Corners, spans_a_plane
@@ -73,6 +74,7 @@ def picture_corners(
         seen_at=corners.seen_at,
         outline=np.full((n, 2, 2), np.nan),
     )
+    dots = with_clipped_edges(dots, corners.fits, grey, settings)
     return dots if refusal is None else dots.refused(refusal)
 
 

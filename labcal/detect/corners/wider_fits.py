@@ -66,7 +66,7 @@ def wider_fits(
         steps = np.where(np.isnan(steps), usual(), steps)
     determined = np.isfinite(bends).all(axis=1)
     limits = places.limits[determined]
-    limits[:, 3:] = settings.max_reach_px, settings.wide_reach_squares
+    limits[:, 3:5] = settings.max_reach_px, settings.wide_reach_squares
     near = Places(centres[determined], steps[determined], bends[determined], limits)
     final = {node: fits[node] for node, is_known in zip(nodes, determined, strict=True) if not is_known}
     if not determined.any():

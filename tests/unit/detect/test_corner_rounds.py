@@ -34,7 +34,7 @@ def fits() -> list[SettledCorner]:
     centre = how.seen(index.astype(np.float64)) + 0.3
     axes = np.array([axes_at(how, place.astype(np.float64)) for place in index])
     white = np.where(PLAIN.is_black(index[:, 0] + 1, index[:, 1] + 1), -1.0, 1.0)
-    limits = np.stack([white, *np.tile([[1.0], [1.0], [6.2], [0.45]], 9)], axis=1)
+    limits = np.stack([white, *np.tile([[1.0], [1.0], [6.2], [0.45], [np.inf]], 9)], axis=1)
     places = Places(centre, axes, np.zeros((9, 2)), limits)
     together = fit_corners(grey, places, DEFAULTS.corner)
     for k, fit in enumerate(together):
