@@ -19,10 +19,10 @@ def test_a_level_of_what_covers_a_corner_does_not_turn_the_slope_of_the_others()
     noise = 1.0 + 0.003 * np.random.default_rng(2).normal(size=len(NODES))
     white = 170.0 * np.exp(PLACES @ SLOPE) * noise
     clean = slopes(white)
-    assert np.abs(clean - SLOPE).max() < 2e-4
+    assert np.abs(clean - SLOPE).max() < 3e-4
     white[16] *= 1.6
     # At the corner itself and in the picture's corners few levels are left beside it.
-    assert np.abs(slopes(white) - SLOPE).max() < 4e-4
+    assert np.abs(slopes(white) - SLOPE).max() < 6e-4
 
 
 def test_too_few_levels_tell_no_slope() -> None:
