@@ -1,6 +1,5 @@
 """Uncertainty of the fit of a corner, from its residuals; in compiled code."""
 
-from dataclasses import dataclass
 from math import floor, sqrt
 from typing import NamedTuple
 
@@ -28,8 +27,7 @@ class JudgementLimits(NamedTuple):
     flat_blurs: float
 
 
-@dataclass(frozen=True)
-class CornerFit:
+class CornerFit(NamedTuple):
     """The fit of one corner, with its uncertainty.
 
     Attributes

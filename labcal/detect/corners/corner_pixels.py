@@ -1,12 +1,12 @@
 """The pixels of many corners, one after the other in flat arrays, for compiled code."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from labcal.detect.compiled import compiled
-from labcal.detect.corners.corner_kernel import Pixels
+from labcal.detect.corners.corner_kernel import CHESSBOARD, Pixels
 from labcal.detect.corners.corner_model import CornerPixels
 
 Window = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -89,10 +89,28 @@ def pack(windows: Sequence[CornerPixels]) -> PackedPixels:
     )
 
 
-def unpacked(all_: PackedPixels, which: Sequence[int]) -> Iterator[Window]:
-    """Return the windows of some corners, by number, as views."""
-    ends, shapes = all_.ends.tolist(), all_.shape.tolist()
-    for k in which:
-        (first, at), (last, end), shape, gap = ends[k], ends[k + 1], shapes[k], all_.gap[k]
-        offset = all_.offset[2 * first : 2 * last].reshape(2, -1)
-        yield all_.mask[at:end].reshape(shape), offset, all_.value[first:last], gap
+class PackedCorner(NamedTuple):
+    """The pixels of a corner among those of many, to be taken out where somebody wants them.
+
+    Attributes
+    ----------
+    all_ : PackedPixels
+    number : int
+        Of the corner.
+    bend : ndarray, shape (2,)
+    pattern : int
+        Both as of :class:`~labcal.detect.corners.corner_model.CornerPixels`.
+    """
+
+    all_: PackedPixels
+    number: int
+    bend: np.ndarray
+    pattern: int = CHESSBOARD
+
+    def unpacked(self) -> CornerPixels:
+        """Return the pixels, as views."""
+        all_, k = self.all_, self.number
+        (first, at), (last, end) = all_.ends[k].tolist(), all_.ends[k + 1].tolist()
+        mask = all_.mask[at:end].reshape(all_.shape[k].tolist())
+        offset, value = all_.offset[2 * first : 2 * last].reshape(2, -1), all_.value[first:last]
+        return CornerPixels(mask, offset, value, all_.gap[k], self.pattern, self.bend)
