@@ -62,10 +62,19 @@ def strongest_places(strength: np.ndarray, least: float) -> tuple[np.ndarray, np
 
 @compiled
 def _is_strongest(strength: np.ndarray, j: int, i: int) -> bool:
-    """Tell whether no pixel near one is stronger."""
+    """Tell whether no pixel near one, which is not at the rim, is stronger."""
+    own = strength[j, i]
+    # Those next to it are looked at first: of nearly all pixels one of them is stronger.
+    if (
+        strength[j, i - 1] > own
+        or strength[j, i + 1] > own
+        or strength[j - 1, i] > own
+        or strength[j + 1, i] > own
+    ):
+        return False
     for down in range(max(j - _NEAR, 0), min(j + _NEAR + 1, strength.shape[0])):
         for across in range(max(i - _NEAR, 0), min(i + _NEAR + 1, strength.shape[1])):
-            if strength[down, across] > strength[j, i]:
+            if strength[down, across] > own:
                 return False
     return True
 
