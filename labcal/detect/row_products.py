@@ -32,7 +32,7 @@ def add_products(left: np.ndarray, right: np.ndarray, part: tuple[int, int], sum
     """Add the scalar products of every row on the left with every row on the right to `sums`.
 
     The sum over the places ``k``, ``k + 8``, ... is taken for each of eight lanes, in this order, then these
-    are added in pairs, and the sums in pairs: the same input gives the same bytes.
+    are halved: the first four are added to the last four, and so on. The same input gives the same bytes.
 
     Parameters
     ----------
@@ -173,8 +173,13 @@ def _summed(builder: ir.IRBuilder, rows: list[ir.Value], part: tuple[ir.Value, i
 
 
 def _all_lanes(builder: ir.IRBuilder, vector: ir.Value) -> ir.Value:
-    """Return the sum of the lanes of a vector."""
-    lanes = [builder.extract_element(vector, ir.Constant(ir.IntType(32), lane)) for lane in range(LANES)]
-    while len(lanes) > 1:
-        lanes = [builder.fadd(*lanes[i : i + 2]) for i in range(0, len(lanes), 2)]
-    return lanes[0]
+    """Return the sum of the lanes of a vector, by adding its halves."""
+    lanes = LANES
+    while lanes > 1:
+        lanes //= 2
+        parts = []
+        for first in (0, lanes):
+            numbers = ir.Constant(ir.VectorType(ir.IntType(32), lanes), list(range(first, first + lanes)))
+            parts.append(builder.shuffle_vector(vector, ir.Constant(vector.type, ir.Undefined), numbers))
+        vector = builder.fadd(*parts)
+    return builder.extract_element(vector, ir.Constant(ir.IntType(32), 0))

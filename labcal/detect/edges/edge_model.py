@@ -188,7 +188,8 @@ def flat_moments(
             chunk[4 * CHUNK + k], chunk[5 * CHUNK + k], chunk[6 * CHUNK + k] = inside, inside * x, inside * y
             chunk[7 * CHUNK + k] = inside * (value - dot)
         rows[:, count : filled_up(count)] = 0.0
-        add_own_products(rows, filled_up(count), sums)
+        for i in range(0, 2 * _SIDE, _SIDE):  # no pixel is on both sides
+            add_own_products(rows[i : i + _SIDE], filled_up(count), sums[i : i + _SIDE, i : i + _SIDE])
     for side in range(2):
         i = _SIDE * side
         one, x, y, g = sums[i], sums[i + 1], sums[i + 2], sums[i + 3]

@@ -38,8 +38,10 @@ def test_the_order_of_the_sum_is_as_documented() -> None:
             lanes = [0.0] * 8
             for k in range(40):
                 lanes[k % 8] += float(left[i, k] * right[j, k])
-            first = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
-            assert sums[i, j] == first + ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]))
+            while len(lanes) > 1:
+                half = len(lanes) // 2
+                lanes = [one + other for one, other in zip(lanes[:half], lanes[half:], strict=True)]
+            assert sums[i, j] == lanes[0]
 
 
 def test_columns_are_copied_and_rows_are_filled_up() -> None:
