@@ -74,7 +74,10 @@ def judged(
     n = len(pixels[1])
     table, board, off_edges = np.zeros((ROWS, filled_up(n))), np.empty(n), np.empty(n)
     fill_jacobian(state, pixels, (table[RESIDUAL], table[:PARAMETERS], board, off_edges))
-    table[free:RESIDUAL] = 0.0
+    for i in range(free, RESIDUAL):
+        row = table[i]
+        for k in range(n):
+            row[k] = 0.0
     away = pixels[0] - state[:2].copy().reshape(2, 1)
     return judged_rows((table, board, off_edges), away, mask, np.zeros((free, free)), limits)
 
@@ -112,7 +115,9 @@ def judged_rows(
     plain, even = np.zeros((size, size)), free + free % HIGH
     add_own_products(table, table.shape[1], plain)
     factor = plain.copy()
-    factor[:free, :free] += prior
+    for i in range(free):
+        for j in range(i + 1):
+            factor[i, j] += prior[i, j]
     if freedom < PARAMETERS or not factorise(factor, free, _SINGULAR):
         return False, covariance, sums, powers, 0.0
     variance = _variance(noise, board, limits.min_variance_share) * (n / freedom)

@@ -132,8 +132,11 @@ def _write_normal(state: np.ndarray, pixels: Pixels, room: Room, normal: np.ndar
     """Write the products of the derivatives and residuals at a state with one another, (ROWS, ROWS)."""
     n, lines, taken = len(pixels[1]), room.space.reshape(-1, CHUNK)[:ROWS], 0
     turned, near = _prepared(state, pixels, room)
-    lines[RESIDUAL + 1] = 0.0
-    normal[:] = 0.0
+    for k in range(CHUNK):
+        lines[RESIDUAL + 1, k] = 0.0
+    for i in range(ROWS):
+        for j in range(ROWS):
+            normal[i, j] = 0.0
     for chunk in range(len(room.kept)):
         taken = _linearised(state, pixels, (room, turned), (chunk, taken, near))
         count = min(CHUNK, n - chunk * CHUNK)

@@ -55,9 +55,13 @@ def packed(windows: Sequence[Window]) -> PackedPixels:
         first, last = ends[k, 0], ends[k + 1, 0]
         shape[k, 0], shape[k, 1] = own.shape
         gap[k] = gaps
-        mask[ends[k, 1] : ends[k + 1, 1]] = own.ravel()
-        offset[2 * first : 2 * last] = offsets.ravel()
-        value[first:last] = values
+        flat, here, there = own.ravel(), mask[ends[k, 1] : ends[k + 1, 1]], value[first:last]
+        xs, ys = offset[2 * first : first + last], offset[first + last : 2 * last]
+        # Element by element: assignment of slices takes longer than that.
+        for j in range(len(here)):
+            here[j] = flat[j]
+        for j in range(len(there)):
+            xs[j], ys[j], there[j] = offsets[0, j], offsets[1, j], values[j]
     return PackedPixels(ends, shape, mask, offset, value, gap)
 
 

@@ -14,6 +14,7 @@ from labcal.detect.edges.edge_model import (
     SHADING,
     STATE,
     TINY,
+    clear_columns,
     linearise,
 )
 from labcal.detect.row_products import HIGH, WIDE, add_products, copy_columns, filled_up
@@ -74,7 +75,7 @@ def weighed_sums(
             _level(state, shading, chunk, count)
         else:
             linearise(state, shading, chunk, count)
-        planes[:, count:width] = 0.0
+        clear_columns(planes, count)
         _weigh(state, wanted, (planes[ROWS + begin :], begin), (chunk, space), width)
         _write_waves(space, numbers, width)
         add_products(lines[:HIGH], waves, (0, width), products)
