@@ -48,4 +48,7 @@ def _write_flat(state: np.ndarray, shading: np.ndarray, flat: np.ndarray, found:
         is_dot = u * u + v * v < 1.0
         board, dot = b0 + b1 * u + b2 * v, d0 + d1 * u + d2 * v
         residual[k], away[k] = value[k] - (dot if is_dot else board), -FAR if is_dot else FAR
-    found[2:] = 0.0
+    for i in range(2, found.shape[0]):
+        row = found[i]
+        for k in range(len(row)):
+            row[k] = 0.0

@@ -60,8 +60,10 @@ def weighed_sums(
     pixels, at, edge, total = band[0], band[1][0], band[1][1], band[1][2]
     state, shading = row[:STATE], row[STATE : STATE + SHADING]
     products, followed = results
-    products[:] = 0.0
-    followed[:] = 0.0
+    for sums in results:
+        for i in range(sums.shape[0]):
+            for j in range(sums.shape[1]):
+                sums[i, j] = 0.0
     chunk, space = work
     planes, lines = chunk.reshape(PLANES, CHUNK), space.reshape(-1, CHUNK)
     waves = lines[LINES:]
@@ -122,8 +124,8 @@ def _weigh(
     a, b, c = state[2], state[3], state[4]
     lines = space.reshape(-1, CHUNK)
     along_x, along_y = lines[_WAVE], lines[_WAVE + 1]
-    along_x[:width] = 0.0
-    along_y[:width] = 0.0
+    for k in range(width):
+        along_x[k] = along_y[k] = 0.0
     for i in range(begin, PARAMETERS, 2):  # two at a time: the sums are written half as often
         _add_pair(along_x, (wanted[0, i], wanted[0, i + 1]), (rows[i - begin], rows[i - begin + 1]), width)
         _add_pair(along_y, (wanted[1, i], wanted[1, i + 1]), (rows[i - begin], rows[i - begin + 1]), width)
