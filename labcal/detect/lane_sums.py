@@ -41,4 +41,5 @@ def greatest(values: np.ndarray) -> float:
         a, b, c, d = max(a, values[k]), max(b, values[k + 1]), max(c, values[k + 2]), max(d, values[k + 3])
     for k in range(whole, len(values)):
         a = max(a, values[k])
-    return max(a, b, c, d)
+    found: float = max(a, b, c, d)
+    return found

@@ -62,7 +62,7 @@ def write_beside(room: Room, count: int, correlation: float, rule: np.ndarray) -
     is integrated from correlation 0, where the board is a product. Rows of `beside`: what that adds to it;
     the profile of the second edge along the first one, and its slope; that of the first along the second.
     """
-    kept, space, index, near, beside = room
+    kept, space, entry, near, beside = room
     per_other = 1.0 / sqrt(1.0 - correlation * correlation)
     for first in range(0, count, CHUNK):
         some = min(CHUNK, count - first)
@@ -71,23 +71,23 @@ def write_beside(room: Room, count: int, correlation: float, rule: np.ndarray) -
             space[AT_A + j], space[AT_B + j] = own[A + k], own[B + k]
         for j in range(some, CHUNK):
             space[AT_A + j] = space[AT_B + j] = 0.0
-        _write_integrals(space, index, rule)
+        _write_integrals(space, entry, rule)
         for j in range(some):
             beside[0, first + j] = space[_TOTAL + j]
         for j in range(CHUNK):
             space[_PLACE + j] = (space[AT_B + j] - correlation * space[AT_A + j]) * per_other
-        write_profiles(space, index, _PLACE, _PROFILE, _SLOPE)
+        write_profiles(space, entry, _PLACE, _PROFILE, _SLOPE)
         for j in range(some):
             beside[1, first + j], beside[2, first + j] = space[_PROFILE + j], space[_SLOPE + j] * per_other
         for j in range(CHUNK):
             space[_PLACE + j] = (space[AT_A + j] - correlation * space[AT_B + j]) * per_other
-        write_profiles(space, index, _PLACE, _PROFILE, _SLOPE)
+        write_profiles(space, entry, _PLACE, _PROFILE, _SLOPE)
         for j in range(some):
             beside[3, first + j] = space[_PROFILE + j]
 
 
 @compiled
-def _write_integrals(space: np.ndarray, index: np.ndarray, rule: np.ndarray) -> None:
+def _write_integrals(space: np.ndarray, entry: np.ndarray, rule: np.ndarray) -> None:
     """Write the sums of :func:`~labcal.detect.corners.quadrature.quadrature` at a chunk's distances.
 
     The exponential functions are Taylor's series about the next entry of a table; right to 1e-14.
@@ -100,9 +100,9 @@ def _write_integrals(space: np.ndarray, index: np.ndarray, rule: np.ndarray) -> 
         for j in range(CHUNK):
             power = min((space[_SQUARES + j] - space[_PRODUCT + j] * sine) * per_cosine, _GREATEST)
             space[_PLACE + j] = power
-            index[j] = int(_PER_POWER * power + 0.5)
+            entry[j] = int(_PER_POWER * power + 0.5)
         for j in range(CHUNK):
-            space[_POWER + j] = _POWERS[index[j]]
+            space[_POWER + j] = _POWERS[entry[j]]
         for j in range(CHUNK):
             power = space[_PLACE + j]
             d = floor(_PER_POWER * power + 0.5) / _PER_POWER - power
@@ -117,12 +117,12 @@ def write_board(room: Room, chunk: int, taken: int, count: int) -> int:
 
     So many pixels near both edges are in the chunks before, of `count`; return how many in these and this.
     """
-    kept, space, index, near, beside = room
+    kept, space, entry, near, beside = room
     own = kept[chunk]
     for k in range(CHUNK):
         space[AT_A + k], space[AT_B + k] = own[A + k], own[B + k]
-    write_profiles(space, index, AT_A, PROFILE_A, SLOPE_A)
-    write_profiles(space, index, AT_B, PROFILE_B, SLOPE_B)
+    write_profiles(space, entry, AT_A, PROFILE_A, SLOPE_A)
+    write_profiles(space, entry, AT_B, PROFILE_B, SLOPE_B)
     for k in range(CHUNK):
         a, b, slope_a, slope_b = space[AT_A + k], space[AT_B + k], space[SLOPE_A + k], space[SLOPE_B + k]
         space[BOARD + k] = space[PROFILE_A + k] * space[PROFILE_B + k]

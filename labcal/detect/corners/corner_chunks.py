@@ -34,7 +34,7 @@ class Room(NamedTuple):
         What is kept of every chunk; 0 for the pixels that the last one has too much.
     space : ndarray, shape (23 CHUNK,)
         Workspace of one chunk.
-    index : ndarray of int, shape (CHUNK,)
+    entry : ndarray of int, shape (CHUNK,)
         Workspace.
     near : ndarray of int, shape (n + 1,)
         Numbers of the pixels near both edges; room for one more.
@@ -44,7 +44,7 @@ class Room(NamedTuple):
 
     kept: np.ndarray
     space: np.ndarray
-    index: np.ndarray
+    entry: np.ndarray
     near: np.ndarray
     beside: np.ndarray
 
@@ -62,5 +62,5 @@ def room_of(offset: np.ndarray, value: np.ndarray) -> Room:
             own[X + k], own[Y + k], own[VALUE + k] = x[k], y[k], v[k]
         for k in range(count, CHUNK):
             own[X + k] = own[Y + k] = own[VALUE + k] = 0.0
-    space, index = np.zeros(_LINES * CHUNK), np.empty(CHUNK, dtype=np.int64)
-    return Room(kept, space, index, np.empty(n + 1, dtype=np.int64), np.empty((4, n)))
+    space, entry = np.zeros(_LINES * CHUNK), np.empty(CHUNK, dtype=np.int64)
+    return Room(kept, space, entry, np.empty(n + 1, dtype=np.int64), np.empty((4, n)))

@@ -60,7 +60,7 @@ class SettledCorner:
     @property
     def step(self) -> float:
         """From black to white, in grey values."""
-        return 2.0 * self.state.item(7)
+        return 2.0 * float(self.state[7])
 
 
 def fit_corner(grey: GreyPicture, around: Surroundings, settings: CornerSettings) -> SettledCorner | None:
@@ -172,7 +172,8 @@ def centres_of(fits: Sequence[SettledCorner]) -> np.ndarray:
     """Return the centres of fits, px, shape (n, 2)."""
     if not fits:
         return np.zeros((0, 2))
-    return np.array([fit.start for fit in fits]) + np.array([fit.state for fit in fits])[:, :2]
+    moved = np.array([fit.state for fit in fits])[:, :2]
+    return np.asarray(np.array([fit.start for fit in fits]) + moved)
 
 
 def places_of(fits: Sequence[SettledCorner | None], otherwise: np.ndarray) -> np.ndarray:

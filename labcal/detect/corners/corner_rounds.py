@@ -10,13 +10,13 @@ from labcal.detect.corners.corner_kernel import (
     CHESSBOARD,
     LIGHT_KNOWN,
     PARAMETERS,
-    ROWS,
     FitLimits,
     settled,
     settled_with,
     take_known_light,
 )
 from labcal.detect.corners.corner_pixels import PackedPixels, mask_of, packed, pixels_of
+from labcal.detect.corners.corner_rows import ROWS
 from labcal.detect.corners.corner_window import Places, WindowLimits, narrowest, near_edges, window_arrays
 from labcal.detect.corners.edge_waves import WAVES
 from labcal.detect.corners.first_fit import FirstLimits, first_fit
