@@ -10,13 +10,13 @@ from labcal.detect.corners.corner_kernel import (
     CHESSBOARD,
     LIGHT_KNOWN,
     PARAMETERS,
-    ROWS,
     FitLimits,
     settled,
     settled_with,
     take_known_light,
 )
 from labcal.detect.corners.corner_pixels import PackedPixels, mask_of, packed, pixels_of
+from labcal.detect.corners.corner_rows import ROWS
 from labcal.detect.corners.corner_window import (
     Places,
     WindowLimits,
@@ -148,7 +148,7 @@ def light_fits(
 
 @compiled
 def judgements(
-    pixels: PackedPixels,
+    pixels: tuple[PackedPixels, np.ndarray],
     patterns: np.ndarray,
     bends: np.ndarray,
     fits: tuple[np.ndarray, np.ndarray],
@@ -156,15 +156,16 @@ def judgements(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return whether there are pixels enough (n,), covariances, sums, powers and reaches of fits.
 
-    `fits` holds the states (n, PARAMETERS), and how many of the parameters were fitted (n,).
+    `pixels` are those of some corners, and which of them each fit is of (n,). `fits` holds the states
+    (n, PARAMETERS), and how many of the parameters were fitted (n,).
     """
-    states, free = fits
+    (all_, which), (states, free) = pixels, fits
     n = len(states)
     ok, reach = np.zeros(n, dtype=np.bool_), np.zeros(n)
     covariance, sums, powers = np.zeros((n, 2, 2)), np.zeros((n, LAGS, SUMS)), np.zeros((n, WAVES, 2))
     for k in range(n):
-        window = pixels_of(pixels, k, bends[k], patterns[k])
-        fine, own, products, waves, far = judged(states[k], window, mask_of(pixels, k), free[k], limits)
+        window = pixels_of(all_, which[k], bends[k], patterns[k])
+        fine, own, products, waves, far = judged(states[k], window, mask_of(all_, which[k]), free[k], limits)
         if fine:
             ok[k], covariance[k], sums[k], powers[k], reach[k] = fine, own, products, waves, far
     return ok, covariance, sums, powers, reach

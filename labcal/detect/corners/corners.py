@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from labcal.arrays import Pixels
-from labcal.detect.corners.corner_fit import SettledCorner, fit_corners
+from labcal.detect.corners.corner_fit import SettledCorner, fit_corners, places_of
 from labcal.detect.corners.corner_window import Places, WindowLimits
 from labcal.detect.corners.wider_fits import wider_fits
 from labcal.detect.grey import GreyPicture, clipping
@@ -109,7 +109,7 @@ def measured_corners(
     standard = Standard.of(fits)
     fits = [standard.met_by(fit, settings.corner) for fit in fits]
     index = [(int(i), int(j)) for i, j in rough.index]
-    seen_at = [place if fit is None else fit.centre for place, fit in zip(rough.seen_at, fits, strict=True)]
+    seen_at = list(places_of(fits, rough.seen_at))
     known = {node: k for k, node in enumerate(index) if fits[k] is not None}
     tried = dict.fromkeys(index, 9**9)
     found = bool(known)  # from none there is nothing to predict
@@ -156,10 +156,7 @@ def widened_corners(
     wider = wider_fits(grey, fits, places, lambda: _axes(corners)[fitted], settings)
     standard = Standard.of(list(wider.values()))
     found = [standard.met_by(wider.get(node), settings) for node in nodes]
-    seen_at = [
-        place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
-    ]
-    return Corners(corners.index, np.array(seen_at), found)
+    return Corners(corners.index, places_of(found, corners.seen_at), found)
 
 
 def _as_outlines(places: list[np.ndarray]) -> Outlines:
