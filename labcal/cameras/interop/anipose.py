@@ -38,7 +38,8 @@ from labcal.cameras.interop.lens_parameters import (
     perspective_lens,
 )
 from labcal.cameras.interop.numbers_text import finite_numbers, known_size, number_text
-from labcal.cameras.interop.opencv_camera import COUNTS, given_fisheye
+from labcal.cameras.interop.opencv_camera import COUNTS
+from labcal.cameras.interop.opencv_lens import given_fisheye
 from labcal.cameras.interop.placement import rig_of, rounded_pose
 from labcal.cameras.lens import FISHEYE as FISHEYE_LENS
 from labcal.cameras.opencv_model import FISHEYE

@@ -55,7 +55,8 @@ _NAME = re.compile(r"^# camera: ([A-Za-z0-9-]+)$", re.MULTILINE)
 
 def recognises(text: str) -> bool:
     """Tell whether a text is a camera model."""
-    return "LENSMODEL_" in text and "'lensmodel'" in text.replace('"', "'")
+    quoted = text.replace('"', "'") if "LENSMODEL_" in text else ""
+    return "'lensmodel'" in quoted and "'intrinsics'" in quoted  # PhotonVision says lensmodel, too
 
 
 def read_mrcal(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
@@ -145,7 +146,10 @@ def _camera(source: SourceText) -> CameraRecord:
         )
     wanted = (4 + _COEFFICIENTS[model],)
     numbers = finite_numbers(content.get("intrinsics"), wanted, "intrinsics", path)
-    given = next((content[key] for key in _POSE_KEYS if key in content), None)
+    stated = [content[key] for key in _POSE_KEYS if key in content]
+    if len(stated) > 1 and stated[0] != stated[1]:
+        raise InputError(f"{path}: {' and '.join(_POSE_KEYS)} contradict each other. Leave out one of them.")
+    given = next(iter(stated), None)
     rt = np.array(finite_numbers(given, (6,), "extrinsics", path))
     return camera_record(
         numbers[:4],

@@ -5,7 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from labcal.cameras.interop.exchange import SourceText
-from labcal.cameras.interop.opencv_camera import MATRIX, SIDES, is_posed, side_keys, sides_of
+from labcal.cameras.interop.opencv_camera import is_posed, sides_of
+from labcal.cameras.interop.opencv_names import MATRIX, ROTATION, SIDES, named_so, side_keys
 from labcal.cameras.interop.opencv_storage import Storage, read_storage
 from labcal.errors import InputError
 from labcal.run.file_reading import read_bytes
@@ -17,8 +18,9 @@ USUAL = (
     "image_size",
 )  # fmt: skip
 """Keys that can be given another name."""
-_OF_A_PAIR = {"R", "R1", "R2", "E", "F", "H"}
-"""The 3x3 matrices of OpenCV's stereo sample that are none of a camera."""
+_OF_ONE, _OF_TWO = (ALONE, "distortion_coefficients"), ("M1", "D1", "M2", "D2")
+_OF_A_PAIR = {"R", "R1", "R2", "E", "F", "H", "essential_matrix", "fundamental_matrix"}
+"""The 3x3 matrices of OpenCV's stereo sample, and of others, that are none of a camera."""
 _ENDINGS = {".yml", ".yaml", ".xml"}
 _MOST_BYTES, _MOST_FILES = 2**18, 100
 
@@ -42,6 +44,13 @@ def with_given_keys(stores: Sequence[Storage], key: Mapping[str, str] | None) ->
                 f"`key='{usual}={theirs:.40}'`: there is no such key. {stores[0].path} has "
                 f"{', '.join(there)[:300] or 'none'}."
             )
+    alone = [usual for usual in key if usual in _OF_ONE]
+    paired = [usual for usual in key if usual in _OF_TWO]
+    if alone and paired:
+        raise InputError(
+            f"`key` names {alone[0]}, of one camera, and {paired[0]}, of a pair. Name the keys of one "
+            "camera, or those of a pair."
+        )
     return [_renamed(storage, key) for storage in stores]
 
 
@@ -89,8 +98,9 @@ def _has_camera(storage: Storage) -> bool:
 
 def _has_strange_matrix(storage: Storage) -> bool:
     """Tell whether a file holds 3x3 matrices that are none of OpenCV's samples, so maybe those of cameras."""
-    cameras = {key for sides in SIDES for side in sides for key in side_keys(MATRIX, side)}
-    strange = [storage.numbers(key) for key in storage.content if key not in {*_OF_A_PAIR, *cameras}]
+    cameras = tuple(key for sides in SIDES for side in sides for key in side_keys(MATRIX, side))
+    known = {*_OF_A_PAIR, *named_so((*ROTATION, *cameras), storage.content)}
+    strange = [storage.numbers(key) for key in storage.content if key not in known]
     return any(len(one) == 9 for one in strange)  # noqa: PLR2004 -- 3x3
 
 

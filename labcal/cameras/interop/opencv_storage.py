@@ -3,6 +3,8 @@
 It is read here and not by OpenCV, so that a damaged or hostile file meets checked code only.
 """
 
+import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +13,10 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from labcal.cameras.interop.exchange import SourceText
+from labcal.cameras.interop.nested_keys import without_nesting
 from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text
 from labcal.cameras.interop.numpy_archive import archived_numbers, is_archive
+from labcal.cameras.interop.opencv_names import named_so
 from labcal.cameras.interop.xml_tree import read_xml_tree
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
 from labcal.errors import InputError
@@ -21,6 +25,8 @@ Content = Mapping[str, int | str | np.ndarray]
 """Content of a file to write, by key."""
 _ROOT = "opencv_storage"
 _SIDES = ("rows", "cols")
+_CHANNELS = re.compile(r"\W*(\d{1,3})[a-z]")
+"""Of the type of a matrix, "5d": numbers in each element."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +38,19 @@ class Storage:
     mapped: frozenset[str] = frozenset()
     """Keys that a user has given another name to; they go before the rest."""
 
+    @property
+    def listed(self) -> str:
+        """The keys, for messages."""
+        return ", ".join(map(str, self.content))[:300] or "none"
+
+    def there(self, keys: Sequence[str]) -> list[str]:
+        """Return the names under which some of these keys are there; those that a user maps go first."""
+        mapped = [key for key in keys if key in self.mapped]
+        return mapped or named_so(keys, [key for key in self.content if isinstance(key, str)])
+
     def first(self, keys: Sequence[str]) -> object:
         """Return what the first of these keys that is there holds; None where none is."""
-        chosen = [key for key in keys if key in self.mapped] or keys
-        return next((self.content[key] for key in chosen if key in self.content), None)
+        return next((self.content[key] for key in self.there(keys)), None)
 
     def text(self, key: str) -> str | None:
         """Return a word, or None."""
@@ -56,27 +71,25 @@ class Storage:
         InputError
             There is none under these keys, it is damaged, or has another number of elements than `counts`.
         """
-        value = self.first(keys)
-        if value is None:
+        there = self.there(keys)
+        if not there:
             raise InputError(f"{self.path} has no {keys[0]} (a matrix of OpenCV).")
-        # An array of one dimension is stored as a list where it is short, else with its "sizes".
-        self._require_one(keys)
-        data = value.get("data") if isinstance(value, dict) else value
-        numbers = finite_numbers(_in_one_list(data), counts, keys[0], self.path)
-        if isinstance(value, dict):
-            require_shape(value, len(numbers), keys[0], self.path)
-        return numbers
-
-    def _require_one(self, keys: Sequence[str]) -> None:
-        """Raise where several of these keys are there and hold different things."""
-        if set(keys) & self.mapped:
-            return
-        there = [key for key in keys if key in self.content]
-        if any(self.content[key] != self.content[there[0]] for key in there):
+        # Of several keys those count whose matrices can be meant: CameraMatrix may be a pose.
+        fitting = [key for key in there if len(self.numbers(key)) in counts] or there[:1]
+        value = self.content[fitting[0]]
+        if any(self.content[key] != value for key in fitting):
             raise InputError(
-                f"{self.path} has {' and '.join(there)}, which differ. Say which holds: "
-                f"`key='{keys[0]}={there[0]}'`."
+                f"{self.path} has {' and '.join(fitting)}, which differ. Say which holds: "
+                f"`key='{keys[0]}={fitting[0]}'`."
             )
+        # An array of one dimension is stored as a list where it is short, else with its "sizes".
+        data = value.get("data") if isinstance(value, dict) else value
+        if isinstance(data, (int, float, str)) and 1 in counts:
+            data = [data]
+        numbers = finite_numbers(_in_one_list(data), counts, fitting[0], self.path)
+        if isinstance(value, dict):
+            require_shape(value, len(numbers), fitting[0], self.path)
+        return numbers
 
 
 def _in_one_list(data: object) -> object:
@@ -87,7 +100,7 @@ def _in_one_list(data: object) -> object:
 
 
 def require_shape(matrix: Mapping[str, object], count: int, what: str, path: Path) -> None:
-    """Raise where rows and columns that a matrix states are not as many as its numbers.
+    """Raise where rows and columns that a matrix states, or its sizes, are not as many as its numbers.
 
     Raises
     ------
@@ -96,9 +109,14 @@ def require_shape(matrix: Mapping[str, object], count: int, what: str, path: Pat
     """
     stated = [matrix[key] for key in _SIDES if key in matrix]
     sides = [one[0] if isinstance(one, list) and len(one) == 1 else one for one in stated]
+    if len(sides) != len(_SIDES):
+        listed = matrix.get("sizes")
+        sides = listed if isinstance(listed, list) else []
     whole = [finite_number(side, "rows and cols", path) for side in sides]
-    if len(whole) == len(_SIDES) and whole[0] * whole[1] != count:
-        raise InputError(f"{path}: {what} states {sides[0]} x {sides[1]} numbers, but holds {count}.")
+    channels = _CHANNELS.match(str(matrix.get("dt")))
+    if whole and math.prod(whole) * (int(channels[1]) if channels else 1) != count:
+        shape = " x ".join(map(str, sides)) + (f" x {channels[1]}" if channels else "")
+        raise InputError(f"{path}: {what} states {shape} numbers, but holds {count}.")
 
 
 def read_storage(source: SourceText) -> Storage:
@@ -124,18 +142,7 @@ def read_storage(source: SourceText) -> Storage:
         return Storage(source.path, {child.tag: _value(child) for child in root})
     is_json = source.text.lstrip().startswith("{")
     text = source.text.replace("\t", " ") if is_json else source.text  # YAML takes no tabs
-    return Storage(source.path, _with_nested(read_yaml_tree(text, source.path)))
-
-
-def _with_nested(content: dict[str, object]) -> dict[str, object]:
-    """Return the content with the keys within a key, such as ``left``, as ``left_camera_matrix``, too."""
-    nested = {
-        f"{outer}_{inner}": value
-        for outer, inside in content.items()
-        if isinstance(inside, dict) and "data" not in inside
-        for inner, value in inside.items()
-    }
-    return {**nested, **content}
+    return Storage(source.path, without_nesting(read_yaml_tree(text, source.path)))
 
 
 def storage_text(content: Content, suffix: str) -> str:
