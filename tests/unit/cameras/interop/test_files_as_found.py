@@ -166,6 +166,32 @@ def test_two_poses_of_mrcal_that_differ(tmp_path: Path) -> None:
         read(path)
 
 
+@pytest.mark.parametrize(("old", "lens"), [("OPENCV8", "rational8"), ("NONE", "pinhole")])
+def test_files_of_mrcal_of_2019(old: str, lens: str, tmp_path: Path) -> None:
+    more = [-0.02, 0.03, 2e-4, 5e-4, 0.0196, 0.01, -0.05, 0.04] if old != "NONE" else []
+    content = {"distortion_model": f"DISTORTION_{old}", "intrinsics": [1761, 1761, 1965, 1087, *more],
+               "extrinsics": [0.2, 0.1, -0.01, 2.0, 2, -2.5], "imagersize": [4000, 2200]}  # fmt: skip
+    (tmp_path / "a.cameramodel").write_text(f"{content!r}\n")
+    (record,) = read(tmp_path / "a.cameramodel").rig.cameras.values()
+    assert (record.lens, list(record.dist)[: len(more)]) == (lens, more)
+
+
+def test_a_pair_of_orb_slam_is_not_read_as_one_camera(tmp_path: Path) -> None:
+    numbers = "".join(f"{name}: {value}\n" for name, value in
+                      zip(("fx", "fy", "cx", "cy"), (700.0, 699.0, 320.0, 240.0), strict=True))  # fmt: skip
+    first, second = (numbers.replace("f", f"{side}.f").replace("c", f"{side}.c") for side in
+                     ("Camera1", "Camera2"))  # fmt: skip
+    path, size = tmp_path / "a.yaml", "Camera.width: 640\nCamera.height: 480\n"
+    path.write_text(size + first + second.replace("Camera2.fx", "Camera2.f"))
+    with pytest.raises(InputError, match=r"is of a pair \(Camera2.*has no Camera2.fx"):
+        read(path)
+    path.write_text('Camera.type: "Rectified"\n' + size + first)
+    with pytest.raises(InputError, match=r"is of a pair \(Rectified\), but has no Stereo.b"):
+        read(path)
+    path.write_text(size + first + "Camera.bf: 40.0\n")
+    assert "one camera is read" in read(path).notes[0]
+
+
 @pytest.mark.parametrize(
     ("text", "what"),
     [
