@@ -9,8 +9,9 @@ from scipy.io import savemat
 from scipy.spatial.transform import Rotation
 
 from labcal.cameras.interop.exchange import ReadOptions, ReadRig, Unit
+from labcal.cameras.interop.registry import READ
 from labcal.cameras.interop.rig_files import baseline_mm, read_rig_files
-from labcal.errors import InputError
+from labcal.errors import InputError, LabcalError
 
 K = np.array([[1420.5, 0.0, 801.25], [0.0, 1418.25, 588.75], [0.0, 0.0, 1.0]])
 D = [-0.31, 0.12, 7e-4, -1.1e-3, 0.02]
@@ -215,3 +216,11 @@ def test_programs_whose_files_are_not_read_are_named(text: str, what: str, tmp_p
     path.write_text(text)
     with pytest.raises(InputError, match=rf"is of no format that is read here\. It seems to be .*{what}"):
         read(path)
+
+
+@pytest.mark.parametrize("text", ["", "# oST v", "a: 1\n", "{}", "[]", "<a/>", "1 2 3\n", "\0"])
+@pytest.mark.parametrize("name", list(READ))
+def test_a_format_that_is_named_wrongly_is_an_error(name: str, text: str, tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_text(text)
+    with pytest.raises(LabcalError):
+        read_rig_files([tmp_path / "a.txt"], name)
