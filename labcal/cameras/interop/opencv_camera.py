@@ -1,5 +1,7 @@
 """One camera of OpenCV's FileStorage: which matrices are its, and which lens its coefficients are."""
 
+import re
+
 import numpy as np
 
 from labcal.arrays import Pose
@@ -27,6 +29,7 @@ from labcal.geometry.poses import from_rotation_vector
 
 COUNTS = (0, 4, 5, 8, 12, 14)
 """Of coefficients that OpenCV takes."""
+_NUMBER = re.compile(r"\d+")
 _OPENPOSE, _AFFINE = ("CameraMatrix",), 12
 """OpenPose calls the pose of a camera so, [R t] in three rows, and its matrix Intrinsics."""
 _USUAL = ((MATRIX[0], DIST[0]), ("M1", "D1"), ("M2", "D2"))
@@ -46,13 +49,19 @@ def sides_of(storage: Storage) -> tuple[str, str] | None:
         return mapped or SIDES[0]
     there = {sides: _keys_of(storage, sides) for sides in SIDES}
     whole = {keys: sides for sides, keys in reversed(there.items()) if all(keys)}
-    third = [sides[1].replace("2", "3") for sides in whole.values() if "2" in sides[1]]
-    if len(whole) > 1 or any(storage.first(side_keys(MATRIX, side)) is not None for side in third):
+    if len(whole) > 1 or any(_further(storage, keys) for keys in whole):
         raise InputError(
             f"{storage.path} holds more than two cameras. Name those of a pair: `key='M1=KEY,D1=KEY,M2=KEY,"
             f"D2=KEY,R=KEY,T=KEY'`. Its keys are {storage.listed}."
         )
     return next(iter(whole.values()), next((sides for sides in SIDES if there[sides][0]), None))
+
+
+def _further(storage: Storage, pair: tuple[str, str]) -> bool:
+    """Tell whether there is a matrix under one more key, which differs from those of a pair in a number."""
+    form = re.compile(_NUMBER.sub(r"\\d+", re.escape(pair[0])))
+    others = [key for key in storage.content if key not in pair and form.fullmatch(str(key))]
+    return _NUMBER.search(pair[0]) is not None and any(len(storage.numbers(key)) == 9 for key in others)  # noqa: PLR2004 -- 3x3
 
 
 def _keys_of(storage: Storage, sides: tuple[str, str]) -> tuple[str, str]:

@@ -43,7 +43,8 @@ TRANSLATION = (
 SIDES = (
     ("1", "2"), ("L", "R"), ("left", "right"), ("l", "r"), ("0", "1"), ("left_", "right_"), ("l_", "r_"),
     ("LEFT.", "RIGHT."), ("cam0_", "cam1_"), ("cam1_", "cam2_"), ("camera0_", "camera1_"),
-    ("camera1_", "camera2_"), ("cam_0_", "cam_1_"), ("cam_left_", "cam_right_"),
+    ("camera1_", "camera2_"), ("cam_0_", "cam_1_"), ("cam_1_", "cam_2_"), ("camera_0_", "camera_1_"),
+    ("camera_1_", "camera_2_"), ("cam_left_", "cam_right_"),
     ("camera_left_", "camera_right_"), ("cameraL_", "cameraR_"), ("_l", "_r"), ("_L", "_R"), ("_1", "_2"),
     ("_0", "_1"), ("_left", "_right"),
 )  # fmt: skip

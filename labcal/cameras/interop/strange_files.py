@@ -6,6 +6,7 @@ from labcal.cameras.interop.opencv_storage import read_storage
 from labcal.cameras.interop.registry import READ
 from labcal.errors import InputError
 
+_NUMBERS = ("fx", "fy", "cx", "cy")
 _MOST_LETTERS = 2**18
 """Of a text whose keys are looked for."""
 
@@ -27,6 +28,11 @@ def words_on_strange(source: SourceText) -> str:
         keys = read_storage(source).listed if small else ""
     except InputError:
         keys = ""
+    if set(_NUMBERS) <= set(keys.split(", ")):
+        return (
+            f"{message} It has {', '.join(_NUMBERS)}: write them as a matrix, camera_matrix: [fx, 0, cx, 0, "
+            "fy, cy, 0, 0, 1], with distortion_coefficients: [k1, k2, p1, p2, k3]."
+        )
     if keys:
         return (
             f"{message} If it holds matrices of OpenCV, name their keys: "

@@ -205,3 +205,18 @@ def test_keys_are_named_of_files_that_no_format_takes_for_its_own(tmp_path: Path
     keys = {"camera_matrix": "eins", "distortion_coefficients": "lens_zwei"}
     (record,) = read(path, size=SIZE, key=keys).rig.cameras.values()
     np.testing.assert_allclose(record.dist, D1)
+
+
+@pytest.mark.parametrize("form", ["cam_{}_K", "camera_{}_camera_matrix", "mtx{}", "M{}", "camera_matrix_{}"])
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_third_camera_is_not_left_out(form: str, first: int, tmp_path: Path) -> None:
+    matrices = {form.format(number): K for number, K in enumerate((K1, K2, K1), start=first)}
+    path = storage(tmp_path / "a.yml", **matrices, R=R, T=T)
+    with pytest.raises(InputError, match="holds more than two cameras"):
+        read(path, size=SIZE)
+
+
+def test_numbers_with_names_are_no_matrix(tmp_path: Path) -> None:
+    path = document(tmp_path / "a.json", {"fx": 700.0, "fy": 700.0, "cx": 320.0, "cy": 240.0, "k1": 0.1})
+    with pytest.raises(InputError, match=r"has fx, fy, cx, cy: write them as a matrix"):
+        read(path, size=SIZE)
