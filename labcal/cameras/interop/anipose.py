@@ -129,7 +129,7 @@ def _list(values: Sequence[float]) -> str:
 def _stated_unit(content: Table, path: Path) -> Unit | None:
     """Return the unit in the metadata, where there is one."""
     metadata = content.get("metadata")
-    stated = metadata.get("unit") if isinstance(metadata, dict) else None
+    stated = metadata.get("unit", metadata.get("units")) if isinstance(metadata, dict) else None
     if stated is None:
         return None
     if stated not in [unit.value for unit in Unit]:

@@ -52,9 +52,10 @@ _KEY = re.compile(
     re.MULTILINE,
 )
 _OF_OTHERS = re.compile(
-    r"^[ \t]*(projection_matrix|cam\d+|projection_parameters|T_BS|Camera1?\.fx):", re.MULTILINE
+    r"^[ \t]*(projection_matrix|cam\d+|projection_parameters|T_BS|T_B_C|Camera1?\.fx):|\"cameraData\":",
+    re.MULTILINE,
 )
-"""Keys of ROS, Kalibr and programs for robots."""
+"""Keys of ROS, Kalibr, programs for robots and DepthAI."""
 _OF_ROS = re.compile(r"^[Pp]:", re.MULTILINE)
 _SEEN = 2**17
 
@@ -109,6 +110,11 @@ def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
     for storage in stores:
         # R and T of a pair place the second camera, not one that a user picks out of it.
         posed = is_posed(storage) and (not alone or {"R", "T"} <= storage.mapped)
+        if storage.mapped & {"R", "T"} and not posed:
+            raise InputError(
+                f"`key` names R or T, but {storage.path} has not both, which place a camera together. Name "
+                "both."
+            )
         T_cam_world, mended = read_pose(storage) if posed else (np.eye(4), ())
         names.append(_name(storage))
         records.append(read_camera(storage, "", 0, T_cam_world, given))

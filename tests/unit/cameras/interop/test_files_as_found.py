@@ -196,7 +196,7 @@ def test_a_pair_of_orb_slam_is_not_read_as_one_camera(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        (json.dumps({"cameraData": [[0, {"intrinsicMatrix": 1}]]}), "DepthAI"),
+        (json.dumps({"cameraData": [[0, {"distortionCoeff": 1, "intrinsicMatrix": 1}]]}), "DepthAI"),
         (json.dumps({"CalibrationInformation": {"Cameras": []}}), "Azure Kinect"),
         (json.dumps({"cameras": {"a": {"K": 1}}, "camera_poses": {}}), "Multical"),
         ("RadTan 0.5 0.6 0.49 0.51 -0.2 0.1 0.0 0.0\n640 480\ncrop\n640 480\n", "DSO"),
@@ -206,7 +206,7 @@ def test_a_pair_of_orb_slam_is_not_read_as_one_camera(tmp_path: Path) -> None:
         ('ParGroup: Cam1: Internal Parameters;\nCamType: "area_scan_division";\n', "HALCON"),
         ("Pix4D camera calibration file 0\nF 3.6\n", "Pix4D"),
         ("[CAMERA_PARAMS_LEFT]\nresolution = [640 480]\n", "MRPT"),
-        ("label: rig\ncameras:\n- camera:\n    label: cam0\n  T_B_C:\n    rows: 4\n", "SVO"),
+        ("cameras:\n- camera:\n    intrinsics: 1\n    distortion: 2\n  T_B_C:\n    rows: 4\n", "SVO"),
         ("P0: 7.2e+02 0 6.1e+02 0 0 7.2e+02 1.7e+02 0 0 0 1 0\n", "KITTI"),
         ("CameraIntrinsics:\n  CameraMatrix:\n    CX: 957.1\n    CY: 594.3\n", "Zivid"),
     ],

@@ -220,3 +220,9 @@ def test_numbers_with_names_are_no_matrix(tmp_path: Path) -> None:
     path = document(tmp_path / "a.json", {"fx": 700.0, "fy": 700.0, "cx": 320.0, "cy": 240.0, "k1": 0.1})
     with pytest.raises(InputError, match=r"has fx, fy, cx, cy: write them as a matrix"):
         read(path, size=SIZE)
+
+
+def test_a_key_that_is_named_is_used(tmp_path: Path) -> None:
+    path = storage(tmp_path / "a.yml", camera_matrix=K1, distortion_coefficients=D1, turn=R)
+    with pytest.raises(InputError, match=r"names R or T, but .* has not both"):
+        read(path, size=SIZE, key={"R": "turn"})
