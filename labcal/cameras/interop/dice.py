@@ -41,6 +41,8 @@ _MOST_CAMERAS = 9
 _FORMAT = ("xml_file_format", "DICe_xml_camera_system_file")
 _RELATIVE = "extrinsics_relative_camera_to_camera"
 _ROTATION = "rotation_3x3_matrix"
+_OF_USERS = "user_"
+"""Beginning of lists that turn the results of DICe, not its cameras."""
 _COEFFICIENTS = ("K1", "K2", "P1", "P2", "K3", "K4", "K5", "K6", "S1", "S2", "S3", "S4", "T1", "T2")
 """In OpenCV's order."""
 _SHIFT, _ANGLES = ("TX", "TY", "TZ"), ("ALPHA", "BETA", "GAMMA")
@@ -87,6 +89,12 @@ def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN)
         cameras.append(lists[f"CAMERA {len(cameras)}"])
     if not cameras:
         raise InputError(f"{path} holds no 'CAMERA 0'.")
+    strange = [name for name in lists if not name.startswith(_OF_USERS) and lists[name] not in cameras]
+    if strange:
+        raise InputError(
+            f"{path} has a list '{strange[0]:.40}' behind {len(cameras)} cameras. Cameras are called 'CAMERA "
+            "0', 'CAMERA 1' and so on, without a gap."
+        )
     for camera in cameras:
         _require_known(camera, path)
     found = [_pose(camera, path) for camera in cameras]

@@ -133,9 +133,11 @@ def _values(source: SourceText) -> dict[str, str]:
         if not separator or name in values:
             what = "occurs twice" if separator else "should be a label, ';' and a number"
             raise InputError(f"{source.path}: '{line.strip():.60}' {what}.")
-        number = value.strip()
-        # The separator is ';', so that a comma is that of a computer with decimal commas.
-        values[name] = number.replace(",", ".") if _DECIMAL_COMMA.fullmatch(number) else number
+        values[name] = value.strip()
+    # The separator is ';', so that commas are those of a computer with decimal commas, if no point is there.
+    if not any("." in number for number in values.values()):
+        commas = [name for name, number in values.items() if _DECIMAL_COMMA.fullmatch(number)]
+        values |= {name: values[name].replace(",", ".") for name in commas}
     return values
 
 

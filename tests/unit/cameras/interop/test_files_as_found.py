@@ -148,6 +148,9 @@ def test_caldat_with_decimal_commas_and_in_metres(tmp_path: Path) -> None:
     path.write_text("\n".join(lines).replace(".", ","))
     found = read(path, size=(1600, 1200))
     np.testing.assert_allclose(np.array(list(found.rig.cameras.values())[1].T_cam_world)[:3], np.c_[R, T])
+    path.write_text("\n".join(lines).replace("1420.5", "1420,5"))  # a damaged number among others
+    with pytest.raises(InputError, match="Cam0_Fx should be a finite number"):
+        read(path, size=(1600, 1200))
     path.write_text("\n".join(lines).replace("[mm]", "[m]"))
     with pytest.raises(InputError, match="state themselves that lengths are in m"):
         read(path, size=(1600, 1200), unit=Unit.MILLIMETRES)
