@@ -81,6 +81,22 @@ def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN)
             f"value {_FORMAT[1]}. Older files ('cal_file_ID') are converted by opening and saving them in "
             "DICe."
         )
+    cameras = _cameras(root, path)
+    for camera in cameras:
+        _require_known(camera, path)
+    found = [_pose(camera, path) for camera in cameras]
+    poses = [T for T, _ in found]
+    if values.get(_RELATIVE, "false").lower() == "true":
+        poses = [poses[0], *(T @ poses[0] for T in poses[1:])]
+    records = [_camera(camera, T, path) for camera, T in zip(cameras, poses, strict=True)]
+    if any(given.size not in (None, record.size) for record in records):
+        raise InputError(f"{path} states another size of the pictures than `size`. Leave that out.")
+    names = [_values(camera).get("CAMERA_ID") or str(camera.get("name")) for camera in cameras]
+    return ReadRig(rig_of(names, records), tuple(note for _, mended in found for note in mended))
+
+
+def _cameras(root: ET.Element, path: Path) -> list[ET.Element]:
+    """Return the lists of the cameras, none of which is left out."""
     lists = {child.get("name", ""): child for child in root if child.tag == _LIST}
     if len(lists) < sum(child.tag == _LIST for child in root):
         raise InputError(f"{path}: a camera occurs twice.")
@@ -95,17 +111,7 @@ def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN)
             f"{path} has a list '{strange[0]:.40}' behind {len(cameras)} cameras. Cameras are called 'CAMERA "
             "0', 'CAMERA 1' and so on, without a gap."
         )
-    for camera in cameras:
-        _require_known(camera, path)
-    found = [_pose(camera, path) for camera in cameras]
-    poses = [T for T, _ in found]
-    if values.get(_RELATIVE, "false").lower() == "true":
-        poses = [poses[0], *(T @ poses[0] for T in poses[1:])]
-    records = [_camera(camera, T, path) for camera, T in zip(cameras, poses, strict=True)]
-    if any(given.size not in (None, record.size) for record in records):
-        raise InputError(f"{path} states another size of the pictures than `size`. Leave that out.")
-    names = [_values(camera).get("CAMERA_ID") or str(camera.get("name")) for camera in cameras]
-    return ReadRig(rig_of(names, records), tuple(note for _, mended in found for note in mended))
+    return cameras
 
 
 def write_dice(rig: Rig, _suffix: str) -> RigTexts:
