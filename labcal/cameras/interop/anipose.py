@@ -52,6 +52,7 @@ from labcal.run.file_marks import TEXT_COMMENT
 _HOLDER = "aniposelib"
 _NESTED = "cameras"
 _OF_A_CAMERA = {"matrix", "distortions", "rotation", "translation"}
+_SIZE = "size"
 _HELD = 5
 Table = Mapping[str, object]
 
@@ -85,7 +86,9 @@ def read_anipose(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIV
             + (", but has these outside of any table. Copy it again." if cameras else ".")
         )
     names, records = [], []
-    notes: tuple[str, ...] = ()
+    left_out = [key for key, one in tables.items() if isinstance(one, dict) and key not in cameras
+                and _SIZE in one]  # fmt: skip
+    notes: tuple[str, ...] = tuple(f"[{key}] has no matrix: it is left out." for key in left_out)
     for key, camera in cameras.items():
         posed = "rotation" in camera and "translation" in camera
         if not posed and (len(cameras) > 1 or {"rotation", "translation"} & set(camera)):

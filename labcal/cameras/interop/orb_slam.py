@@ -78,8 +78,7 @@ def read_orb_slam(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GI
         return _pair(first, _record(content, prefix, T, given, path))
     of_a_pair = [str(key) for key in content if str(key).startswith("Camera2.") or key in _POSES]
     if not of_a_pair and kind != "Rectified":
-        notes = (_VIRTUAL,) if "Camera.bf" in content else ()
-        return ReadRig(rig_of([path.stem], [first]), notes)
+        return ReadRig(rig_of([path.stem], [first]), (_VIRTUAL,) if "Camera.bf" in content else ())
     if "Camera2.fx" not in content:
         lost = "Camera2.fx" if of_a_pair else "Stereo.b"
         raise InputError(f"{path} is of a pair ({(of_a_pair or [kind])[0]:.40}), but has no {lost}.")

@@ -6,6 +6,7 @@ from labcal.cameras.interop.opencv_storage import read_storage
 from labcal.cameras.interop.registry import READ
 from labcal.errors import InputError
 
+_OF_COLMAP = {"cameras.bin", "images.bin", "rigs.bin", "frames.bin", "points3D.bin"}
 _NUMBERS = ("fx", "fy", "cx", "cy")
 _MOST_LETTERS = 2**18
 """Of a text whose keys are looked for."""
@@ -21,6 +22,11 @@ def words_on_strange(source: SourceText) -> str:
     seems = foreign_words(source.text)
     if seems is not None:
         return f"{source.path} is of no format that is read here. {seems}"
+    if source.path.name in _OF_COLMAP:
+        return (
+            f"{source.path} is called as a file of COLMAP's binary model, but is damaged, truncated or a part "
+            "of a model whose cameras.bin is. Copy the whole folder again."
+        )
     what = "" if source.is_text else "is no text file, and "
     message = f"{source.path} {what}is of no format that is read here ({', '.join(READ)})."
     try:

@@ -227,3 +227,22 @@ def test_a_format_that_is_named_wrongly_is_an_error(name: str, text: str, tmp_pa
     (tmp_path / "a.txt").write_text(text)
     with pytest.raises(LabcalError):
         read_rig_files([tmp_path / "a.txt"], name)
+
+
+def test_what_has_no_matrix_is_left_out_with_a_note(tmp_path: Path) -> None:
+    matrix = ", ".join(str(row) for row in K.tolist())
+    text = f"[cam_0]\nsize = [1600, 1200]\nmatrix = [{matrix}]\ndistortions = {D}\n\n"
+    (tmp_path / "a.toml").write_text(text + "[cam_1]\nsize = [1600, 1200]\n\n[metadata]\nerror = 0.2\n")
+    found = read(tmp_path / "a.toml")
+    assert found.notes == ("[cam_1] has no matrix: it is left out.",)
+    assert list(found.rig.cameras) == ["cam-0"]
+    (tmp_path / "a.toml").write_text(text + '[metadata]\nunits = "cm"\n')
+    with pytest.raises(InputError, match="the unit 'cm' is neither mm nor m"):
+        read(tmp_path / "a.toml")
+
+
+def test_a_truncated_model_of_colmap_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "cameras.bin"
+    path.write_bytes(bytes([1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]))
+    with pytest.raises(InputError, match="damaged, truncated or a part"):
+        read(path)
