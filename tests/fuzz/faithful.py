@@ -10,6 +10,7 @@ import numpy as np
 
 from fuzz.file_mutants import file_mutants
 from fuzz.stated_cameras import READERS, Files, Stated, stated_camera
+from fuzz.stated_forms import FORMS
 from fuzz.stated_robots import ROBOTS, Example
 from labcal.cameras.camera import Camera
 from labcal.cameras.interop.exchange import Home, ReadOptions
@@ -90,8 +91,9 @@ def readings(name: str, folder: Path, seed: int, count: int) -> Iterator[Reading
 
 def example_of(name: str) -> Example:
     """Return files of a format, or of a form of it, and their second reader."""
-    if name in ROBOTS:
-        return ROBOTS[name]
+    others = {**ROBOTS, **FORMS}
+    if name in others:
+        return others[name]
     rig = example_rig("brown4" if name == "kalibr" else "brown5")
     return Example(name.split(".", maxsplit=1)[0], _files(name, rig), READERS[name])
 

@@ -15,6 +15,7 @@ from fuzz.faithful import readings
 from fuzz.faithful_documents import DOCUMENTS
 from fuzz.faithful_tables import TABLES, table_readings
 from fuzz.stated_cameras import READERS
+from fuzz.stated_forms import FORMS
 from fuzz.stated_robots import ROBOTS
 
 _SHOWN = 10
@@ -31,7 +32,7 @@ def main() -> int:
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
     every = {**TABLES, **DOCUMENTS}
-    cameras = [*READERS, *ROBOTS]
+    cameras = [*READERS, *ROBOTS, *FORMS]
     faults = 0
     for name in arguments.names or [*cameras, *every]:
         counts: Counter[str] = Counter()

@@ -8,10 +8,11 @@ from fuzz.faithful import readings
 from fuzz.faithful_documents import DOCUMENTS
 from fuzz.faithful_tables import TABLES, table_readings
 from fuzz.stated_cameras import READERS
+from fuzz.stated_forms import FORMS
 from fuzz.stated_robots import ROBOTS
 from labcal.cameras.interop.registry import READ
 
-CAMERAS = [*READERS, *ROBOTS]
+CAMERAS = [*READERS, *ROBOTS, *FORMS]
 EVERY = {**TABLES, **DOCUMENTS}
 QUICK, MANY = 40, 400
 """Mutants of a kind; ``python -m fuzz.files --count 3000`` tries more, by the seed of the day."""

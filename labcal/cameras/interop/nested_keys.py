@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 
 _MOST_DEEP, _MOST_LISTED = 6, 16
-_DATA, _SIZE = "data", {"width", "height"}
-"""A mapping with data is a matrix, and one of these two a size; they are kept as they are."""
+_OF_A_MATRIX, _SIZE = {"data", "rows", "cols", "dt", "sizes"}, {"width", "height"}
+"""Keys of a matrix, which may be a damaged one, and of a size; they are kept as they are."""
 
 
 def without_nesting(content: Mapping[str, object]) -> dict[str, object]:
@@ -37,4 +37,4 @@ def _leaves(content: Mapping[str, object], path: tuple[str, ...]) -> Iterator[tu
 
 def _is_nested(value: object) -> bool:
     """Tell whether a value is a mapping of keys."""
-    return isinstance(value, dict) and bool(value) and _DATA not in value and set(value) != _SIZE
+    return isinstance(value, dict) and bool(value) and not _OF_A_MATRIX & set(value) and set(value) != _SIZE

@@ -31,7 +31,14 @@ from labcal.cameras.interop.lens_parameters import (
 )
 from labcal.cameras.interop.mrcal import recognises as is_of_mrcal
 from labcal.cameras.interop.numpy_archive import is_archive
-from labcal.cameras.interop.opencv_camera import COUNTS, is_posed, read_camera, read_pose, sides_of
+from labcal.cameras.interop.opencv_camera import (
+    COUNTS,
+    is_posed,
+    read_camera,
+    read_pose,
+    require_no_half,
+    sides_of,
+)
 from labcal.cameras.interop.opencv_keys import ALONE, with_given_keys, with_other_half
 from labcal.cameras.interop.opencv_names import DIST, MATRIX, SIDES, named_so, side_keys
 from labcal.cameras.interop.opencv_storage import Content, Storage, read_storage, storage_text
@@ -115,6 +122,8 @@ def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
                 f"`key` names R or T, but {storage.path} has not both, which place a camera together. Name "
                 "both."
             )
+        if not alone:
+            require_no_half(storage)
         T_cam_world, mended = read_pose(storage) if posed else (np.eye(4), ())
         names.append(_name(storage))
         records.append(read_camera(storage, "", 0, T_cam_world, given))

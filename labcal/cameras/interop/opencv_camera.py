@@ -29,6 +29,8 @@ from labcal.geometry.poses import from_rotation_vector
 
 COUNTS = (0, 4, 5, 8, 12, 14)
 """Of coefficients that OpenCV takes."""
+_RECTIFIED, _OF_R, _OF_T = ("P", "projection_matrix"), 9, 3
+"""Keys beside which R is that of a rectified picture."""
 _NUMBER = re.compile(r"\d+")
 _OPENPOSE, _AFFINE = ("CameraMatrix",), 12
 """OpenPose calls the pose of a camera so, [R t] in three rows, and its matrix Intrinsics."""
@@ -75,6 +77,28 @@ def is_posed(storage: Storage) -> bool:
     if len(storage.numbers(_OPENPOSE[0])) == _AFFINE:
         return True
     return storage.first((*ROTATION, *TURN)) is not None and storage.first(TRANSLATION) is not None
+
+
+def require_no_half(storage: Storage) -> None:
+    """Raise where one of R and T is lost, by damage or under another name, so that a pose would be left out.
+
+    Raises
+    ------
+    InputError
+        There is a translation without a rotation, or a rotation of no rectified camera without a translation.
+    """
+    turns, shifts = storage.there((*ROTATION, *TURN)), storage.there(TRANSLATION)
+    rectified = storage.first(_RECTIFIED) is not None
+    halves = [
+        key
+        for key in (*turns, *shifts)
+        if isinstance(storage.content[key], dict) or len(storage.numbers(key)) in (_OF_R, _OF_T)
+    ]
+    if halves and not (turns and shifts) and not (turns and rectified):
+        raise InputError(
+            f"{storage.path} has {halves[0]}, but {'no T' if turns else 'no R'}, and a pose has both. There "
+            f"are {storage.listed}. Name them, `key='R=KEY,T=KEY'`, or take {halves[0]} out."
+        )
 
 
 def read_pose(storage: Storage) -> tuple[Pose, tuple[str, ...]]:

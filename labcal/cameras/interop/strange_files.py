@@ -24,8 +24,8 @@ def words_on_strange(source: SourceText) -> str:
         return f"{source.path} is of no format that is read here. {seems}"
     if source.path.name in _OF_COLMAP:
         return (
-            f"{source.path} is called as a file of COLMAP's binary model, but is damaged, truncated or a part "
-            "of a model whose cameras.bin is. Copy the whole folder again."
+            f"{source.path} is called as a file of COLMAP's binary model, but is damaged, truncated or a "
+            "part of a model whose cameras.bin is. Copy the whole folder again."
         )
     what = "" if source.is_text else "is no text file, and "
     message = f"{source.path} {what}is of no format that is read here ({', '.join(READ)})."

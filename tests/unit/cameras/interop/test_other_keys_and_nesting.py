@@ -226,3 +226,16 @@ def test_a_key_that_is_named_is_used(tmp_path: Path) -> None:
     path = storage(tmp_path / "a.yml", camera_matrix=K1, distortion_coefficients=D1, turn=R)
     with pytest.raises(InputError, match=r"names R or T, but .* has not both"):
         read(path, size=SIZE, key={"R": "turn"})
+
+
+def test_half_a_pose_is_not_left_out(tmp_path: Path) -> None:
+    for keys in ({"R": R, "t": T}, {"rvec": TURN, "tvec_": T}, {"tvec": T}, {"T": T, "Q": R}):
+        camera = {"camera_matrix": K1, "distortion_coefficients": D1}
+        path = storage(tmp_path / "a.yml", **camera, **{key.rstrip("_"): one for key, one in keys.items()})
+        if "tvec_" in keys:
+            text = path.read_text()
+            path.write_text(text[: text.rindex("data:")])
+        with pytest.raises(InputError, match=r"a pose has both|should hold 3 numbers"):
+            read(path, size=SIZE)
+    path = storage(tmp_path / "a.yml", **camera, R=R, P=np.eye(3, 4))  # of a rectified picture
+    assert read(path, size=SIZE).rig.cameras["a"].T_cam_world[0][:3] == (1.0, 0.0, 0.0)
