@@ -79,7 +79,8 @@ def _forms() -> Mapping[str, Example]:
         "stereo.yml": storage(R=robots.R, T=robots.T[:, None]).replace(_SIZE.encode(), b""),
     }
     turn = Rotation.from_matrix(robots.R).as_rotvec()
-    turned = storage(Camera_Matrix=robots.KA, DistCoeffs=_DA, rvec=turn, tvec=robots.T)
+    # The pose first, since one that is cut off leaves no trace.
+    turned = storage(rvec=turn, tvec=robots.T, Camera_Matrix=robots.KA, DistCoeffs=_DA)
     omnidir = storage(K=robots.KA, D=robots.DA) + b"xi: 1.12\n"
     return {
         "opencv.nested": Example("opencv", {"c.json": json.dumps(nested, indent=1).encode()}, _nested),

@@ -92,9 +92,9 @@ def require_no_half(storage: Storage) -> None:
     halves = [
         key
         for key in (*turns, *shifts)
-        if isinstance(storage.content[key], dict) or len(storage.numbers(key)) in (_OF_R, _OF_T)
+        if isinstance(storage.content[key], (dict, type(None))) or len(storage.numbers(key)) in (_OF_R, _OF_T)
     ]
-    if halves and not (turns and shifts) and not (turns and rectified):
+    if halves and not is_posed(storage) and not (turns and rectified):
         raise InputError(
             f"{storage.path} has {halves[0]}, but {'no T' if turns else 'no R'}, and a pose has both. There "
             f"are {storage.listed}. Name them, `key='R=KEY,T=KEY'`, or take {halves[0]} out."
