@@ -39,7 +39,7 @@ from labcal.cameras.interop.lens_parameters import (
 from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
 from labcal.cameras.interop.opencv_storage import require_shape
 from labcal.cameras.interop.placement import MM_IN_M, poses_from_first, rig_of, rounded_pose
-from labcal.cameras.interop.ros_documents import content_of, is_message, is_of_part, note_on_part
+from labcal.cameras.interop.ros_documents import contents_of, is_message, is_of_part, note_on_part
 from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
@@ -69,15 +69,15 @@ def recognises(text: str) -> bool:
 
 
 def read_ros(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
-    """Read one camera, or a rectified pair; the first camera is the world.
+    """Read one camera, or a rectified pair from one file or two; the first camera is the world.
 
     Raises
     ------
     InputError
         A file is damaged, there are more than two, or nothing determines where the second camera is.
     """
-    contents = [content_of(source) for source in sources]
-    paths = [source.path for source in sources]
+    found = [(content, source.path) for source in sources for content in contents_of(source)]
+    contents, paths = [content for content, _ in found], [path for _, path in found]
     names = [str(content.get("camera_name") or "") for content in contents]
     return rig_of_infos(contents, names, paths)
 
@@ -219,10 +219,11 @@ def _pair_pose(contents: Sequence[Mapping[str, Any]], paths: Sequence[Path]) -> 
         shifts.append(MM_IN_M * np.linalg.solve(P[:, :3], P[:, 3]))
     step = shifts[1] - shifts[0]
     if not np.any(step):
+        same = paths[0] == paths[1]
         raise InputError(
-            f"{paths[0]} and {paths[1]} do not state how far apart their cameras are: both projection "
-            "matrices have the same fourth column, as those of cameras that were calibrated alone. "
-            "Convert each file alone."
+            f"{paths[0]} {'does' if same else f'and {paths[1]} do'} not state how far apart the cameras are: "
+            "both projection matrices have the same fourth column, as those of cameras that were calibrated "
+            f"alone. Convert each {'document, in a file of its own' if same else 'file'}, alone."
         )
     first, note_first = rounded_pose(turns[0], np.zeros(3), paths[0])
     second, note_second = rounded_pose(turns[1], np.zeros(3), paths[1])

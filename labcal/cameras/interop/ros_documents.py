@@ -29,8 +29,14 @@ def is_message(text: str) -> bool:
     return all(re.search(rf"^{key}:", text, re.MULTILINE | re.IGNORECASE) for key in "dkrp")
 
 
-def content_of(source: SourceText) -> dict[str, Any]:
-    """Return what a file holds, with the keys of camera_info files; of several alike, the first one."""
+def contents_of(source: SourceText) -> list[dict[str, Any]]:
+    """Return the cameras in a file, with the keys of camera_info files; of several alike, the first one.
+
+    Raises
+    ------
+    InputError
+        A document is damaged, or two of one camera differ.
+    """
     texts = re.split(r"^---[ \t\r]*$", _WARNING.sub("---", source.text), flags=re.MULTILINE)
     documents = [text for text in texts if re.search(r"^[^#%\s]", text, re.MULTILINE)] or [source.text]
     # The last message that `ros2 topic echo` prints may be cut off.
@@ -38,12 +44,14 @@ def content_of(source: SourceText) -> dict[str, Any]:
     if len(whole) > 1 and _LAST_OF_A_MESSAGE in whole[0] and _LAST_OF_A_MESSAGE not in whole[-1]:
         whole = whole[:-1]
     contents = [_document(text, source.path) for text in whole]
-    if any(content != contents[0] for content in contents):
+    different = [one for at, one in enumerate(contents) if one not in contents[:at]]
+    names = {str(one.get("camera_name") or "") for one in different}
+    if len(names) < len(different):
         raise InputError(
-            f"{source.path} holds {len(contents)} documents that state different cameras. Put each into a "
-            "file of its own."
+            f"{source.path} holds {len(contents)} documents that state different cameras of one name. Put "
+            "each into a file of its own."
         )
-    return contents[0]
+    return different
 
 
 def _document(text: str, path: Path) -> dict[str, Any]:
