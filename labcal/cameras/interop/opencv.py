@@ -31,16 +31,16 @@ from labcal.cameras.interop.lens_parameters import (
 )
 from labcal.cameras.interop.mrcal import recognises as is_of_mrcal
 from labcal.cameras.interop.numpy_archive import is_archive
-from labcal.cameras.interop.opencv_camera import (
-    COUNTS,
-    is_posed,
-    read_camera,
-    read_pose,
-    require_no_half,
-    sides_of,
-)
+from labcal.cameras.interop.opencv_camera import COUNTS, read_camera, sides_of
 from labcal.cameras.interop.opencv_keys import ALONE, with_given_keys, with_other_half
 from labcal.cameras.interop.opencv_names import DIST, MATRIX, SIDES, named_so, side_keys
+from labcal.cameras.interop.opencv_pose import (
+    OF_A_CAMERA,
+    OF_A_PAIR,
+    is_posed,
+    read_pose,
+    require_no_half,
+)
 from labcal.cameras.interop.opencv_storage import Content, Storage, read_storage, storage_text
 from labcal.cameras.interop.placement import poses_from_first, rig_of
 from labcal.cameras.lens import LENGTH
@@ -116,7 +116,7 @@ def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
     names, records = [], []
     for storage in stores:
         # R and T of a pair place the second camera, not one that a user picks out of it.
-        posed = is_posed(storage) and (not alone or {"R", "T"} <= storage.mapped)
+        posed = is_posed(storage, OF_A_CAMERA) and (not alone or {"R", "T"} <= storage.mapped)
         if storage.mapped & {"R", "T"} and not posed:
             raise InputError(
                 f"`key` names R or T, but {storage.path} has not both, which place a camera together. Name "
@@ -124,7 +124,7 @@ def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
             )
         if not alone:
             require_no_half(storage)
-        T_cam_world, mended = read_pose(storage) if posed else (np.eye(4), ())
+        T_cam_world, mended = read_pose(storage, OF_A_CAMERA) if posed else (np.eye(4), ())
         names.append(_name(storage))
         records.append(read_camera(storage, "", 0, T_cam_world, given))
         notes += mended
@@ -145,11 +145,17 @@ def _name(storage: Storage) -> str:
 
 def _read_placed(stores: Sequence[Storage], given: ReadOptions) -> ReadRig | None:
     """Return the pair of two files of one camera each and a third one with R and T; None of other files."""
-    cameras = [storage for storage in stores if storage.first(MATRIX) is not None and not is_posed(storage)]
-    placing = [storage for storage in stores if storage.first(MATRIX) is None and is_posed(storage)]
+    cameras = [
+        storage
+        for storage in stores
+        if storage.first(MATRIX) is not None and not is_posed(storage, OF_A_PAIR)
+    ]
+    placing = [
+        storage for storage in stores if storage.first(MATRIX) is None and is_posed(storage, OF_A_PAIR)
+    ]
     if len(stores) != _PAIR + 1 or (len(cameras), len(placing)) != (_PAIR, 1):
         return None
-    T_second_first, notes = read_pose(placing[0])
+    T_second_first, notes = read_pose(placing[0], OF_A_PAIR)
     records = [
         read_camera(storage, "", 0, T, given)
         for storage, T in zip(cameras, (np.eye(4), T_second_first), strict=True)
@@ -218,7 +224,7 @@ def _write_pair(rig: Rig, suffix: str) -> RigTexts:
 
 def _read_pair(storage: Storage, others: Sequence[Storage], given: ReadOptions) -> ReadRig:
     """Return the rig of a stereo file; R and T may be in another one, as OpenCV's stereo sample has it."""
-    placing = [one for one in (storage, *others) if is_posed(one)]
+    placing = [one for one in (storage, *others) if is_posed(one, OF_A_PAIR)]
     if len(placing) != 1 or len(others) > 1 or (others and placing != list(others)):
         raise InputError(
             f"{storage.path} holds two cameras, but {'several poses' if placing else 'no pose'} R, T of the "
@@ -226,7 +232,7 @@ def _read_pair(storage: Storage, others: Sequence[Storage], given: ReadOptions) 
             "intrinsics.yml extrinsics.yml rig.json. Or name its keys, `key='R=KEY,T=KEY'`: there are "
             f"{storage.listed}."
         )
-    T_right_left, notes = read_pose(placing[0])
+    T_right_left, notes = read_pose(placing[0], OF_A_PAIR)
     sides = sides_of(storage) or SIDES[0]
     records = [
         read_camera(storage, side, number, T, given)

@@ -2,8 +2,6 @@
 
 import re
 
-import numpy as np
-
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import ReadOptions
 from labcal.cameras.interop.lens_parameters import camera_record, intrinsics_of
@@ -13,27 +11,18 @@ from labcal.cameras.interop.opencv_names import (
     DIST,
     HEIGHT,
     MATRIX,
-    ROTATION,
     SIDES,
     SIZE,
-    TRANSLATION,
-    TURN,
     WIDTH,
     side_keys,
 )
 from labcal.cameras.interop.opencv_storage import Storage
-from labcal.cameras.interop.placement import rounded_pose
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
-from labcal.geometry.poses import from_rotation_vector
 
 COUNTS = (0, 4, 5, 8, 12, 14)
 """Of coefficients that OpenCV takes."""
-_RECTIFIED, _OF_R, _OF_T = ("P", "projection_matrix"), 9, 3
-"""Keys beside which R is that of a rectified picture."""
 _NUMBER = re.compile(r"\d+")
-_OPENPOSE, _AFFINE = ("CameraMatrix",), 12
-"""OpenPose calls the pose of a camera so, [R t] in three rows, and its matrix Intrinsics."""
 _USUAL = ((MATRIX[0], DIST[0]), ("M1", "D1"), ("M2", "D2"))
 """Names by which a user maps the keys of a camera alone, and of a pair."""
 
@@ -70,47 +59,6 @@ def _keys_of(storage: Storage, sides: tuple[str, str]) -> tuple[str, str]:
     """Return the keys of two camera matrices; empty where there is none."""
     first, second = (next(iter(storage.there(side_keys(MATRIX, side))), "") for side in sides)
     return first, second
-
-
-def is_posed(storage: Storage) -> bool:
-    """Tell whether a file has R and T."""
-    if len(storage.numbers(_OPENPOSE[0])) == _AFFINE:
-        return True
-    return storage.first((*ROTATION, *TURN)) is not None and storage.first(TRANSLATION) is not None
-
-
-def require_no_half(storage: Storage) -> None:
-    """Raise where one of R and T is lost, by damage or under another name, so that a pose would be left out.
-
-    Raises
-    ------
-    InputError
-        There is a translation without a rotation, or a rotation of no rectified camera without a translation.
-    """
-    turns, shifts = storage.there((*ROTATION, *TURN)), storage.there(TRANSLATION)
-    rectified = storage.first(_RECTIFIED) is not None
-    halves = [
-        key
-        for key in (*turns, *shifts)
-        if isinstance(storage.content[key], (dict, type(None))) or len(storage.numbers(key)) in (_OF_R, _OF_T)
-    ]
-    if halves and not is_posed(storage) and not (turns and rectified):
-        raise InputError(
-            f"{storage.path} has {halves[0]}, but {'no T' if turns else 'no R'}, and a pose has both. There "
-            f"are {storage.listed}. Name them, `key='R=KEY,T=KEY'`, or take {halves[0]} out."
-        )
-
-
-def read_pose(storage: Storage) -> tuple[Pose, tuple[str, ...]]:
-    """Return the pose of R, a matrix or a rotation vector, and T; with a note if R was rounded."""
-    if len(storage.numbers(_OPENPOSE[0])) == _AFFINE:
-        affine = np.array(storage.matrix(_OPENPOSE, (_AFFINE,))).reshape(3, 4)
-        return rounded_pose(affine[:, :3], affine[:, 3], storage.path)
-    keys = ROTATION if storage.first(ROTATION) is not None else TURN
-    turn, t = np.array(storage.matrix(keys, (9, 3))), np.array(storage.matrix(TRANSLATION, (3,)))
-    if turn.shape == t.shape:
-        return from_rotation_vector(turn, t), ()
-    return rounded_pose(turn.reshape(3, 3), t, storage.path)
 
 
 def read_camera(

@@ -5,8 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from labcal.cameras.interop.exchange import SourceText
-from labcal.cameras.interop.opencv_camera import is_posed, sides_of
-from labcal.cameras.interop.opencv_names import MATRIX, ROTATION, SIDES, named_so, side_keys
+from labcal.cameras.interop.opencv_camera import sides_of
+from labcal.cameras.interop.opencv_names import MATRIX, SIDES, named_so, side_keys
+from labcal.cameras.interop.opencv_pose import OF_A_PAIR, ROTATION, is_posed
 from labcal.cameras.interop.opencv_storage import Storage, read_storage
 from labcal.errors import InputError
 from labcal.run.file_reading import read_bytes
@@ -74,11 +75,11 @@ def with_other_half(stores: Sequence[Storage]) -> tuple[list[Storage], tuple[str
     if len(stores) != 1:
         return list(stores), ()
     (given,) = stores
-    has_cameras, has_pose = sides_of(given) is not None, is_posed(given)
+    has_cameras, has_pose = sides_of(given) is not None, is_posed(given, OF_A_PAIR)
     if has_cameras == has_pose or (has_pose and _has_camera(given)) or _has_strange_matrix(given):
         return list(stores), ()
     found = [other for other in _beside(given.path) if (sides_of(other) is not None) == has_pose
-             and is_posed(other) == has_cameras and not _has_camera(other)
+             and is_posed(other, OF_A_PAIR) == has_cameras and not _has_camera(other)
              and not _has_strange_matrix(other)]  # fmt: skip
     if not found:
         return list(stores), ()

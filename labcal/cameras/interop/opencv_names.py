@@ -34,12 +34,6 @@ SIZE = (
     "size",
     "DIM",
 )
-ROTATION = ("R", "rotation_matrix", "rotation", "Rot", "rotmat", "stereo_R")
-TURN = ("rvec", "rotation_vector", "om")
-"""Rotation vectors, where there is no matrix."""
-TRANSLATION = (
-    "T", "translation_vector", "translation_matrix", "translation", "Trans", "tvec", "stereo_T",
-)  # fmt: skip
 SIDES = (
     ("1", "2"), ("L", "R"), ("left", "right"), ("l", "r"), ("0", "1"), ("left_", "right_"), ("l_", "r_"),
     ("LEFT.", "RIGHT."), ("cam0_", "cam1_"), ("cam1_", "cam2_"), ("camera0_", "camera1_"),

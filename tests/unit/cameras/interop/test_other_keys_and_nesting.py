@@ -239,3 +239,13 @@ def test_half_a_pose_is_not_left_out(tmp_path: Path) -> None:
             read(path, size=SIZE)
     path = storage(tmp_path / "a.yml", **camera, R=R, P=np.eye(3, 4))  # of a rectified picture
     assert read(path, size=SIZE).rig.cameras["a"].T_cam_world[0][:3] == (1.0, 0.0, 0.0)
+
+
+def test_the_pose_of_a_board_is_not_taken_for_that_of_a_pair(tmp_path: Path) -> None:
+    path = storage(tmp_path / "a.yml", M1=K1, D1=D1, M2=K2, D2=D2, rvec=TURN, tvec=T)
+    with pytest.raises(InputError, match="no pose R, T of the second one"):
+        read(path, size=SIZE)
+    storage(path, M1=K1, D1=D1, M2=K2, D2=D2)
+    storage(tmp_path / "board.yml", rvec=TURN, tvec=T)
+    with pytest.raises(InputError, match="no pose R, T of the second one"):
+        read(path, size=SIZE)
