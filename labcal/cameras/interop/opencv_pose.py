@@ -1,4 +1,4 @@
-"""The pose in a file of OpenCV: R, a matrix or a rotation vector, and T, under the names that people give them."""
+"""The pose in a file of OpenCV: R, a matrix or a rotation vector, and T, under whichever names."""
 
 from dataclasses import dataclass
 
