@@ -23,8 +23,12 @@ from labcal.errors import InputError
 
 Content = Mapping[str, int | str | np.ndarray]
 """Content of a file to write, by key."""
-_ROOT = "opencv_storage"
+_ROOT, _ITEM = "opencv_storage", "_"
+"""The outermost element, and that of an item of a list."""
 _SIDES = ("rows", "cols")
+_PYTHON = "!!python/"
+_BETWEEN = re.compile(r"^(?:---|\.\.\.)[ \t\r]*$", re.MULTILINE)
+_CONTENT = re.compile(r"^[^#%\s]", re.MULTILINE)
 _CHANNELS = re.compile(r"\W*(\d{1,3})[a-z]")
 """Of the type of a matrix, "5d": numbers in each element."""
 
@@ -135,14 +139,30 @@ def read_storage(source: SourceText) -> Storage:
             raise InputError(
                 f"{source.path}: the outermost element should be {_ROOT}, but is {root.tag:.40}."
             )
-        tags = [child.tag for child in root]
-        twice = next((tag for tag in tags if tags.count(tag) > 1), None)
-        if twice is not None:
-            raise InputError(f"{source.path}: the key {twice:.40} occurs twice. Leave one of them.")
-        return Storage(source.path, {child.tag: _value(child) for child in root})
+        return Storage(source.path, without_nesting(_mapping(root, source.path)))
+    if _PYTHON in source.text:
+        raise InputError(
+            f"{source.path} holds objects of Python, as yaml.dump writes NumPy's arrays, which are not read. "
+            "Write lists of numbers: array.tolist()."
+        )
     is_json = source.text.lstrip().startswith("{")
     text = source.text.replace("\t", " ") if is_json else source.text  # YAML takes no tabs
-    return Storage(source.path, without_nesting(read_yaml_tree(text, source.path)))
+    return Storage(source.path, without_nesting(_documents(text, source.path)))
+
+
+def _documents(text: str, path: Path) -> dict[str, object]:
+    """Return the keys of all documents in a file: cv::FileStorage::APPEND adds one behind the others."""
+    parts = [part for part in _BETWEEN.split(text) if _CONTENT.search(part)] or [text]
+    content: dict[str, object] = {}
+    for part in parts:
+        document = read_yaml_tree(part, path)
+        twice = next((key for key in document if key in content), None)
+        if twice is not None:
+            raise InputError(
+                f"{path}: the key {twice!s:.40} occurs twice, in two documents. Leave one of them."
+            )
+        content |= document
+    return content
 
 
 def storage_text(content: Content, suffix: str) -> str:
@@ -154,8 +174,19 @@ def storage_text(content: Content, suffix: str) -> str:
     return f"%YAML:1.0\n---\n{entries}"
 
 
-def _value(element: Element) -> object:
-    """Return a matrix as a mapping, several words as a list, and one as a word."""
+def _mapping(element: Element, path: Path) -> dict[str, object]:
+    """Return what is within an element, by key."""
+    tags = [child.tag for child in element if child.tag != _ITEM]
+    twice = next((tag for tag in tags if tags.count(tag) > 1), None)
+    if twice is not None:
+        raise InputError(f"{path}: the key {twice:.40} occurs twice. Leave one of them.")
+    return {child.tag: _value(child, path) for child in element}
+
+
+def _value(element: Element, path: Path) -> object:
+    """Return a matrix as a mapping, keys within a key as one, several words as a list, and one as a word."""
+    if len(element) and element.find("data") is None and element.get("type_id") is None:
+        return _mapping(element, path)
     if len(element):
         return {child.tag: (child.text or "").split() for child in element}
     words = (element.text or "").split()

@@ -1,6 +1,7 @@
 """Matrices of OpenCV under names, in shapes and at depths that other people's programs give them."""
 
 import json
+import tarfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -249,3 +250,56 @@ def test_the_pose_of_a_board_is_not_taken_for_that_of_a_pair(tmp_path: Path) -> 
     storage(tmp_path / "board.yml", rvec=TURN, tvec=T)
     with pytest.raises(InputError, match="no pose R, T of the second one"):
         read(path, size=SIZE)
+
+
+def test_documents_that_are_appended(tmp_path: Path) -> None:
+    path = tmp_path / "a.yml"
+    for mode, matrices in ((cv2.FILE_STORAGE_WRITE, {"M1": K1, "D1": D1, "M2": K2, "D2": D2}),
+                           (cv2.FILE_STORAGE_APPEND, {"R": R, "T": T})):  # fmt: skip
+        file = cv2.FileStorage(str(path), mode)
+        for key, values in matrices.items():
+            file.write(key, values)
+        file.release()
+    require_pair(read(path, size=SIZE))
+    path.write_text(path.read_text() + "...\n---\n" + matrix("M1", K2))
+    with pytest.raises(InputError, match="the key M1 occurs twice, in two documents"):
+        read(path, size=SIZE)
+
+
+def test_keys_within_keys_of_xml(tmp_path: Path) -> None:
+    def held(key: str, values: np.ndarray) -> str:
+        rows, cols = np.atleast_2d(values).shape
+        data = " ".join(repr(float(one)) for one in values.ravel())
+        shape = f"<rows>{rows}</rows><cols>{cols}</cols><dt>d</dt>"
+        return f'<{key} type_id="opencv-matrix">{shape}<data>{data}</data></{key}>'
+
+    path = tmp_path / "a.xml"
+    left, right = held("K", K1) + held("D", D1), held("K", K2) + held("D", D2)
+    size = "<images><_>a.png</_><_>b.png</_></images><size><width>1600</width><height>1200</height></size>"
+    path.write_text(
+        f"<opencv_storage><left>{left}</left><right>{right}</right>{held('R', R)}{held('T', T)}{size}"
+        "</opencv_storage>"
+    )
+    require_pair(read(path))
+    path.write_text(path.read_text().replace("</left>", f"{held('K', K2)}</left>"))
+    with pytest.raises(InputError, match="the key K occurs twice"):
+        read(path)
+
+
+@pytest.mark.parametrize("keys", [("camera_matrix", "dist"), ("one", "two")])
+def test_objects_of_python_are_told(keys: tuple[str, str], tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text(f"{keys[0]}: !!python/tuple\n- [1, 2]\n{keys[1]}: [0, 0, 0, 0, 0]\n")
+    with pytest.raises(InputError, match=r"objects of Python.*array\.tolist\(\)"):
+        read(path, size=SIZE)
+
+
+def test_archives_and_bags_of_ros_are_told(tmp_path: Path) -> None:
+    (tmp_path / "ost.yaml").write_text("image_width: 1\n")
+    with tarfile.open(tmp_path / "calibrationdata.tar.gz", "w:gz") as archive:
+        archive.add(tmp_path / "ost.yaml", "ost.yaml")
+    with pytest.raises(InputError, match=r"is an archive \(tar\).*ost\.yaml"):
+        read(tmp_path / "calibrationdata.tar.gz")
+    (tmp_path / "a.bag").write_bytes(b"#ROSBAG V2.0\n\0")
+    with pytest.raises(InputError, match="a bag of ROS"):
+        read(tmp_path / "a.bag")
