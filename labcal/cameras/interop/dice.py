@@ -219,8 +219,14 @@ def _camera(camera: ET.Element, T_cam_world: Pose, path: Path) -> CameraRecord:
             f"labcal's cameras do not have. Calibrate with {_OPENCV_LENS} and without skew."
         )
     numbers = [finite_number(values.get(key), key, path) for key in ("FX", "FY", "CX", "CY")]
-    used = _COEFFICIENTS if model == _OPENCV_LENS else ()
-    coefficients = [finite_number(values.get(key, "0"), key, path) for key in used]
+    coefficients = [finite_number(values.get(key, "0"), key, path) for key in _COEFFICIENTS]
+    if any(coefficients) and "LENS_DISTORTION_MODEL" not in values:
+        raise InputError(
+            f"{path}: {camera.get('name')} has coefficients of a lens, but no LENS_DISTORTION_MODEL. Add it: "
+            f"{_OPENCV_LENS}."
+        )
+    if model == _NO_LENS:
+        coefficients = []
     height, width = finite_numbers(_array(values.get("IMAGE_HEIGHT_WIDTH")), (2,), "IMAGE_HEIGHT_WIDTH", path)
     return camera_record(
         numbers, perspective_lens(coefficients), T_cam_world, picture_size([width, height], path), path

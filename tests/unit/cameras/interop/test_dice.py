@@ -149,3 +149,9 @@ def test_no_camera_is_left_out(name: str) -> None:
     users = '<ParameterList name="user_4x4_params"></ParameterList>\n'
     text = SYSTEM.replace('<ParameterList name="CAMERA 0">', users + '<ParameterList name="CAMERA 0">')
     assert len(read_dice([SourceText(Path("a.xml"), text)]).rig.cameras) == 2
+
+
+def test_coefficients_without_a_lens_model_are_not_left_out() -> None:
+    line = '<Parameter name="LENS_DISTORTION_MODEL" type="string" value="OPENCV_LENS_DISTORTION" />\n'
+    with pytest.raises(InputError, match="CAMERA 0 has coefficients of a lens, but no LENS_DISTORTION_MODEL"):
+        read_dice([SourceText(Path("a.xml"), SYSTEM.replace(line, "", 1))])

@@ -246,3 +246,9 @@ def test_a_truncated_model_of_colmap_is_told(tmp_path: Path) -> None:
     path.write_bytes(bytes([1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]))
     with pytest.raises(InputError, match="damaged, truncated or a part"):
         read(path)
+
+
+def test_the_first_camera_of_an_ost_is_not_left_out(tmp_path: Path) -> None:
+    (tmp_path / "ost.txt").write_text("[image]\n\nwidth\n640\n\n# oST version 5.0 parameters\n\n[image]\n")
+    with pytest.raises(InputError, match="it should begin with '# oST version'"):
+        read(tmp_path / "ost.txt")
