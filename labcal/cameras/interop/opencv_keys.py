@@ -6,7 +6,7 @@ from pathlib import Path
 
 from labcal.cameras.interop.exchange import SourceText
 from labcal.cameras.interop.opencv_camera import sides_of
-from labcal.cameras.interop.opencv_names import MATRIX, SIDES, named_so, side_keys
+from labcal.cameras.interop.opencv_names import DIST, MATRIX, SIDES, named_so, side_keys
 from labcal.cameras.interop.opencv_pose import OF_A_PAIR, ROTATION, is_posed
 from labcal.cameras.interop.opencv_storage import Storage, read_storage
 from labcal.errors import InputError
@@ -19,6 +19,7 @@ USUAL = (
     "image_size",
 )  # fmt: skip
 """Keys that can be given another name."""
+_TOGETHER = ((ALONE, "distortion_coefficients"), ("M1", "D1"), ("M2", "D2"))
 _OF_ONE, _OF_TWO = (ALONE, "distortion_coefficients"), ("M1", "D1", "M2", "D2")
 _OF_A_PAIR = {"R", "R1", "R2", "E", "F", "H", "essential_matrix", "fundamental_matrix"}
 """The 3x3 matrices of OpenCV's stereo sample, and of others, that are none of a camera."""
@@ -58,7 +59,23 @@ def with_given_keys(stores: Sequence[Storage], key: Mapping[str, str] | None) ->
 def _renamed(storage: Storage, key: Mapping[str, str]) -> Storage:
     """Return a file with further names for its keys."""
     more = {usual: storage.content[theirs] for usual, theirs in key.items() if theirs in storage.content}
+    for matrix, coefficients in _TOGETHER:
+        beside = _coefficients_beside(storage, key[matrix]) if matrix in more else None
+        if beside is not None and coefficients not in key:
+            more[coefficients] = storage.content[beside]
     return replace(storage, content={**storage.content, **more}, mapped=frozenset(more))
+
+
+def _coefficients_beside(storage: Storage, matrix: str) -> str | None:
+    """Return the key of the coefficients that end, or begin, as that of a camera matrix does: distCoeffsL."""
+    for sides in SIDES:
+        for side in sides:
+            found = (
+                storage.there(side_keys(DIST, side)) if named_so(side_keys(MATRIX, side), [matrix]) else []
+            )
+            if found:
+                return found[0]
+    return None
 
 
 def with_other_half(stores: Sequence[Storage]) -> tuple[list[Storage], tuple[str, ...]]:

@@ -45,7 +45,8 @@ class Storage:
     @property
     def listed(self) -> str:
         """The keys, for messages."""
-        return ", ".join(map(str, self.content))[:300] or "none"
+        own = [str(key) for key in self.content if key not in self.mapped]
+        return ", ".join(own)[:300] or "none"
 
     def there(self, keys: Sequence[str]) -> list[str]:
         """Return the names under which some of these keys are there; those that a user maps go first."""

@@ -303,3 +303,14 @@ def test_archives_and_bags_of_ros_are_told(tmp_path: Path) -> None:
     (tmp_path / "a.bag").write_bytes(b"#ROSBAG V2.0\n\0")
     with pytest.raises(InputError, match="a bag of ROS"):
         read(tmp_path / "a.bag")
+
+
+def test_coefficients_beside_a_matrix_that_is_named(tmp_path: Path) -> None:
+    path = storage(tmp_path / "a.yml", cameraMatrixL=K1, distCoeffsL=D1, cameraMatrixR=K2, distCoeffsR=D2)
+    for name, K, D in (("cameraMatrixL", K1, D1), ("cameraMatrixR", K2, D2)):
+        (record,) = read(path, size=SIZE, key={"camera_matrix": name}).rig.cameras.values()
+        np.testing.assert_allclose(record.K, K)
+        np.testing.assert_allclose(record.dist, D)
+    storage(path, one=K1, lens=D1)
+    with pytest.raises(InputError, match=r"has no distortion_coefficients.*Its keys are one, lens; name"):
+        read(path, size=SIZE, key={"camera_matrix": "one"})
