@@ -17,12 +17,12 @@ def test_a_filled_outline_has_its_area_and_its_centroid() -> None:
     angle = 2.0 * np.pi * np.arange(64) / 64
     for _ in range(20):
         centre = random.uniform(20.0, 30.0, 2)
-        share = np.zeros((50, 50), dtype=np.float32)
-        _fill(share, centre + np.stack([6.0 * np.cos(angle), 4.0 * np.sin(angle)], axis=-1), 1.0)
-        y, x = np.mgrid[:50, :50]
-        assert share.sum() == pytest.approx(24.0 * np.pi, rel=2e-3)
+        share = np.zeros((200, 200), dtype=np.float32)
+        _fill(share, 4.0 * centre + np.stack([24.0 * np.cos(angle), 16.0 * np.sin(angle)], axis=-1), 1.0)
+        y, x = np.mgrid[:200, :200]
+        assert share.sum() == pytest.approx(16.0 * 24.0 * np.pi, rel=2e-3)
         found = np.array([(x * share).sum(), (y * share).sum()]) / share.sum()
-        np.testing.assert_allclose(found, centre, atol=0.01)
+        np.testing.assert_allclose(found, 4.0 * centre, atol=0.04)
 
 
 def test_the_detector_finds_the_dots_where_they_are_drawn() -> None:
