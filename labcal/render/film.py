@@ -1,4 +1,4 @@
-"""The film of a picture: the light in cells that are finer than pixels, as it is in front of the lens's blur."""
+"""The film of a picture: light in cells that are finer than pixels, before the lens blurs it."""
 
 from dataclasses import dataclass
 
@@ -33,7 +33,7 @@ class Cells:
     @property
     def finer(self) -> int:
         """Cells along a side of a pixel."""
-        return self.light.shape[1]
+        return int(self.light.shape[1])
 
 
 class Film:
@@ -85,8 +85,8 @@ def is_even(draw: Draw, finer: int) -> bool:
 def traced_cells(laboratory: Laboratory, camera: Rays, pixels: np.ndarray, draw: Draw, finer: int) -> Cells:
     """Trace some of the rays of pixels, apart by the cells in which they are.
 
-    The rays of one cell choose points all over a lamp and an aperture: else cells would have noise where their
-    pixels have none.
+    The rays of one cell choose points all over a lamp and an aperture: else cells would have noise where
+    their pixels have none.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The light of one picture behind the lens, linear, without noise: the sum of bands of rows and sub-frames."""
+"""The light of one picture behind the lens, linear and noise-free: the sum of bands and sub-frames."""
 
 import math
 from collections.abc import Iterator

@@ -73,7 +73,7 @@ class SharpShare:
         return seen
 
     def of_cells(self, finer: int) -> Float32[np.ndarray, "n j j"]:
-        """Return the shares in cells at edges that are as fine as these or coarser; NaN in one without a ray."""
+        """Return the shares in cells at edges as fine as these or coarser; NaN in one without a ray."""
         n, own = len(self.at), self.cells.finer
         light, rays = (
             None if part is None else part.reshape(n, finer, own // finer, finer, own // finer).mean((2, 4))

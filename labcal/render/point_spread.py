@@ -45,8 +45,8 @@ def gathered(film: Float32[np.ndarray, "k h w k *channels"], blur_px: float) -> 
     Parameters
     ----------
     film : ndarray of float32, shape (k, h, w, k) or (k, h, w, k, 3)
-        Light in the cells: row of cells in a pixel, row and column of the pixel, column of cells in it. Beyond
-        its edges, pixels are those at the edge.
+        Light in the cells: row of cells in a pixel, row and column of the pixel, column of cells in it.
+        Beyond its edges, pixels are those at the edge.
     blur_px : float
         Standard deviation of the point spread; 0: none.
 

@@ -1,8 +1,8 @@
 """Traced pictures of boards: views that are drawn in :mod:`labcal.bench.boards`, rendered ray by ray.
 
 The laboratory stands as the drawn view has it: the print in the artwork of its kind on a plate, the camera,
-and a solid box where something hides a part of the board. The lens blurs it, light falls off over the picture,
-and the sensor has noise.
+and a solid box where something hides a part of the board. The lens blurs it, light falls off over the
+picture, and the sensor has noise.
 """
 
 from dataclasses import dataclass

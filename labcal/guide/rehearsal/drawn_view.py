@@ -89,7 +89,7 @@ def drawn_view(
     for own, wide in strips(height, max(ROWS, CELLS_AT_ONCE // (width * cells_a_pixel**2)), reach(blur_px)):
         rows = wide.stop - wide.start
         fine = np.full((cells_a_pixel * rows, cells_a_pixel * width), BACKGROUND, dtype=np.float32)
-        first = corner + [0, wide.start]
+        first = corner + np.array([0, wide.start])
         sheet = np.rint(cells_a_pixel * (edge.q[edge.ok] - first + 0.5) - 0.5)
         cv2.fillPoly(fine, [sheet.astype(np.int32)], paper)
         for some, times in outlines:
