@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+from blurred_edge import mean_in_squares
 from scipy.spatial.transform import Rotation
 
 from labcal.bench.held_board import BARE_BOARD, blurred_scene, board_scene, still_take
@@ -76,11 +77,37 @@ def test_a_picture_does_not_depend_on_how_many_rows_a_film_has(monkeypatch: pyte
             np.testing.assert_array_equal(whole, rendered(blurred, take))
 
 
+def test_a_rendered_edge_is_that_of_a_lens_before_the_sensor() -> None:
+    """The edge is tilted by 1 in 20 against the rows; blurred pixels would be off by 0.024 of the step."""
+    camera = CameraDescription(
+        size=(64, 40), focal_px=600.0, lens="pinhole", eye_mm=(0.0, 0.0, 1000.0), look_at_mm=(0.0, 0.0, 0.0)
+    )
+    scene = board_scene(BOARD.model_copy(update={"square_mm": 200.0}), camera, 16384)
+    R = Rotation.from_rotvec((0.0, 0.0, np.arctan(1.0 / 20.0))).as_matrix()
+    take = still_take(scene, pose(R, -R @ [100.0, 203.0, 0.0]))  # the middle of an edge, and 3 mm
+    light = rendered(blurred_scene(scene, 0.8), take).astype(np.float64)
+    ends = take.project(np.array([[0.0, 200.0, 0.0], [200.0, 200.0, 0.0]])).q
+    along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+    normal = np.array([-along[1], along[0]])
+    v, u = np.mgrid[:40, :64]
+    distance = (np.stack([u, v], axis=-1) - ends[0]) @ normal
+    true = mean_in_squares(distance, normal, 0.8)[8:-8, 8:-8]
+    low, high = light[[8, -9], 32]
+    assert abs(high - low) > 0.5
+    assert np.abs((light[8:-8, 8:-8] - low) / (high - low) - true).max() < 1e-3
+
+
 def test_corners_are_where_projection_puts_them() -> None:
     """Blurred pixels had corners that were off by 0.006 px at this blur; some 0.0003 px are the rays'."""
     scene, take = held(320, 240, 1024, (0.05, 0.25, 0.05))
     sensor = Photometry(
-        blur_px=0.8, format="png", bits=16, adc_bits=16, tone_curve="linear", full_well_e=1e9, read_noise_e=0.0
+        blur_px=0.8,
+        format="png",
+        bits=16,
+        adc_bits=16,
+        tone_curve="linear",
+        full_well_e=1e9,
+        read_noise_e=0.0,
     )
     light = rendered(scene.model_copy(update={"photometry": sensor}), take)
     dots = detect_dots(read_sensor(light, sensor, Exposure(1.0, (1.0, 1.0, 1.0)), None), BOARD)

@@ -112,7 +112,11 @@ def test_a_moving_board_is_smeared_along_its_movement_alone() -> None:
 
 def test_the_rays_are_shared_among_the_subframes(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = moving_scene(
-        "motion.velocity_mm_s=[600, 0, 0]", "spp=64", "shutter=rolling", "readout_ms=30", "photometry.blur_px=0"
+        "motion.velocity_mm_s=[600, 0, 0]",
+        "spp=64",
+        "shutter=rolling",
+        "readout_ms=30",
+        "photometry.blur_px=0",
     )
     take = left_take(scene, 0.01)
     frames = subframes(take, SPARSE)

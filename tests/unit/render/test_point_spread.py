@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from blurred_edge import mean_in_squares
 from scipy.ndimage import gaussian_filter
-from scipy.stats import chi2, norm
+from scipy.stats import chi2
 
 from labcal.render import bands
 from labcal.render.point_spread import cells, finer, gathered, gathered_variance
@@ -14,32 +15,22 @@ NORMAL = np.array([-SLOPE, 1.0]) / np.hypot(SLOPE, 1.0)
 MIDDLE = np.array([80.3, 30.2])
 
 
-def distance(side: int) -> np.ndarray:
-    """Return the distances (px) of the middles of cells, `side` along a side of a pixel, from the edge."""
-    y, x = (np.arange(side * n) + 0.5 for n in (HEIGHT, WIDTH))
-    return (x / side - 0.5 - MIDDLE[0]) * NORMAL[0] + (y / side - 0.5 - MIDDLE[1])[:, None] * NORMAL[1]
-
-
-def mean_in_squares(d: np.ndarray, side: float, sigma: float) -> np.ndarray:
-    """Return the mean over squares of an edge blurred by sigma: second differences of its second integral."""
-    across, down = side * np.abs(NORMAL)
-
-    def twice(x: np.ndarray) -> np.ndarray:
-        if sigma == 0.0:
-            return 0.5 * np.maximum(x, 0.0) ** 2
-        return 0.5 * ((x**2 + sigma**2) * norm.cdf(x / sigma) + x * sigma * norm.pdf(x / sigma))
-
-    near, far = 0.5 * (across - down), 0.5 * (across + down)
-    return (twice(d + far) - twice(d + near) - twice(d - near) + twice(d - far)) / (across * down)
+def edge(side: int, blur_px: float) -> np.ndarray:
+    """Return the exact picture of the edge in cells, `side` along a side of a pixel."""
+    y, x = ((np.arange(side * n) + 0.5) / side - 0.5 for n in (HEIGHT, WIDTH))
+    distance = (x - MIDDLE[0]) * NORMAL[0] + (y - MIDDLE[1])[:, None] * NORMAL[1]
+    return mean_in_squares(distance, NORMAL / side, blur_px)
 
 
 def seen_edge(blur_px: float, side: int) -> np.ndarray:
-    return gathered(cells(mean_in_squares(distance(side), 1.0 / side, 0.0), side), blur_px)
+    return gathered(cells(edge(side, 0.0), side), blur_px)
 
 
-@pytest.mark.parametrize(("blur_px", "limit"), [(0.4, 3e-3), (0.6, 1.5e-3), (0.8, 1e-3), (1.5, 1e-3), (6.0, 1e-3)])
+@pytest.mark.parametrize(
+    ("blur_px", "limit"), [(0.4, 3e-3), (0.6, 1.5e-3), (0.8, 1e-3), (1.5, 1e-3), (6.0, 1e-3)]
+)
 def test_an_edge_along_the_rows_has_no_staircase(blur_px: float, limit: float) -> None:
-    true = mean_in_squares(distance(1), 1.0, blur_px)
+    true = edge(1, blur_px)
     inner = (slice(26, -26), slice(30, -30)) if blur_px > 1.5 else (slice(12, -12), slice(20, -20))
     off = (seen_edge(blur_px, finer(blur_px, 64)) - true)[inner]
     assert np.abs(off).max() < limit
