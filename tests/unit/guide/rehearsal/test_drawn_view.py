@@ -38,6 +38,24 @@ def test_the_detector_finds_the_dots_where_they_are_drawn() -> None:
     assert np.abs(error.mean(axis=0)).max() < 0.002
 
 
+@pytest.mark.parametrize("blur_px", [0.4, 0.8])
+def test_the_lens_blurs_before_the_sensor_takes_its_samples(blur_px: float) -> None:
+    # Dots that were blurred after that were off by 0.005 px.
+    planned = PlannedRig.of(examples.rig_plan())
+    target, camera = planned.plan.target, planned.cameras[0]
+    linear = Photometry(
+        blur_px=blur_px, full_well_e=1e9, read_noise_e=0.0, adc_bits=16, format="png", bits=16,
+        tone_curve="linear",
+    )  # fmt: skip
+    off = []
+    for T_world_target in planned.views(3, 0):
+        view = drawn_view(camera, T_world_target, target, linear, Shot(0, "one", "left"))
+        dots = detect_dots(view.picture, target)
+        number = dots.index[dots.ok] @ [1, target.cols]
+        off.append(dots.position[dots.ok] + view.corner - view.images.centroid[number])
+    assert np.sqrt((np.concatenate(off) ** 2).sum(axis=1).mean()) < 0.002
+
+
 def test_light_falls_off_as_the_sensor_says() -> None:
     camera = PlannedRig.of(examples.rig_plan()).cameras[0]
     whole = np.zeros(2, dtype=np.int64), np.array(camera.size, dtype=np.int64)
