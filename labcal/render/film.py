@@ -121,7 +121,7 @@ def traced_cells(laboratory: Laboratory, camera: Rays, pixels: np.ndarray, draw:
         order = cell * own + index // every
         samples = Samples(mi, pixel, order, seed, all_cells * of_a_cell)
         light = laboratory.radiance(camera, pixel, within, samples)
-        ones = [] if even else [mi.Float(1.0) + 0.0 * light[0]]
+        ones = [] if even else [mi.Float(1.0)]
         parts.append(_sums(mi, [*light, *ones], local * every + cell, dr.width(chosen) * all_cells))
     channels = 3 if laboratory.colour else 1
     sums = np.concatenate([np.zeros((0, channels + (not even)), dtype=np.float32), *parts])
