@@ -11,6 +11,7 @@ from labcal.scene.lamps import Ambient
 from labcal.scene.model import Scene
 from labcal.scene.motion import ShutterTimes, Track
 from labcal.scene.occluders import Occluder
+from labcal.scene.photometry import Photometry
 from labcal.scene.placement import Handheld
 from labcal.scene.room import Room
 from labcal.scene.take import Take
@@ -26,7 +27,7 @@ BARE_BOARD = Board().light[0]
 def board_scene(
     target: DescribedTarget, camera: CameraDescription, spp: int, occluders: tuple[Occluder, ...] = ()
 ) -> Scene:
-    """Return a target in front of a camera in even light without noise, far from the walls of the room.
+    """Return a target in front of a sharp camera in even light without noise, far from the walls of the room.
 
     Parameters
     ----------
@@ -47,8 +48,15 @@ def board_scene(
         lamps=(Ambient(kind="ambient", radiance=1.0),),
         room=Room(floor_z_mm=-9000.0, wall_y_mm=9000.0, table_z_mm=-8000.0),
         occluders=occluders,
+        photometry=Photometry(blur_px=0.0),
         spp=spp,
     )
+
+
+def blurred_scene(scene: Scene, blur_px: float) -> Scene:
+    """Return a scene whose cameras have a point spread of some standard deviation, px."""
+    photometry = scene.photometry.model_copy(update={"blur_px": blur_px})
+    return scene.model_copy(update={"photometry": photometry})
 
 
 def tilted_pose(target: DotGrid, tilt_deg: float, azimuth: float, roll: float, at: np.ndarray) -> Pose:

@@ -17,12 +17,15 @@ from pydantic import (
 from labcal.arrays import Pose
 from labcal.bounds import Side
 from labcal.cameras.camera import Camera
+from labcal.cameras.lens import LENSES
 from labcal.cameras.prescription import Prescription
 from labcal.cameras.sense import require_middle_seen, require_placed, require_sensible_numbers
 from labcal.cameras.window import Window
 from labcal.errors import InputError
 from labcal.run.descriptions import explain_validation
 
+_COUNTS = (5, 8, 12, 14)
+"""Of coefficients that OpenCV takes, five or more."""
 Row3 = tuple[float, float, float]
 Row4 = tuple[float, float, float, float]
 Matrix3Record = tuple[Row3, Row3, Row3]
@@ -68,6 +71,13 @@ class CameraRecord(BaseModel):
     @model_validator(mode="after")
     def _is_sensible(self) -> "CameraRecord":
         require_sensible_numbers(self.K, self.lens, self.dist, self.size)
+        own = LENSES[self.lens].coefficients if self.lens in LENSES else 0
+        if len(self.dist) not in {*_COUNTS, own}:
+            counts = ", ".join(map(str, sorted({*_COUNTS, own} - {0})))
+            raise InputError(
+                f"dist holds {len(self.dist)} coefficients, but should hold {counts}: one may be lost. Pad "
+                "it with zeros if it ends early."
+            )
         return self
 
     @model_serializer(mode="wrap")

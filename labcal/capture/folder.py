@@ -8,6 +8,7 @@ from labcal.arrays import Pose
 from labcal.capture.addresses import Address
 from labcal.capture.settings import SourceSettings
 from labcal.capture.source import CameraInfo, Encoded, Frame, FrameSet
+from labcal.correspond.one_camera import doubts
 from labcal.correspond.picture_set import PictureSet, open_pictures
 from labcal.correspond.sources import Source as Picture
 from labcal.errors import InputError
@@ -45,7 +46,8 @@ class FolderSource:
         Raises
         ------
         InputError
-            There are none; or they are of several cameras, and the address names one.
+            There are none; they are of several cameras, and the address names one; or they may be of several,
+            and neither it nor `cameras` says so: a shoot that is made stays so.
         """
         found = open_pictures(self._address.place, self._cameras, self._raw)
         self._poses = {} if found.shoot is None else found.shoot.nominal_poses()
@@ -56,6 +58,10 @@ class FolderSource:
                 f"{self._address} has pictures of {listed(cameras)}, but as '{self._address.camera}' they "
                 "would be of one camera. Give it alone, without a name, or a folder for each camera."
             )
+        stated = self._cameras is not None or self._address.camera is not None or found.shoot is not None
+        doubt = None if stated else doubts([one.image for one in found.sources])
+        if doubt is not None:
+            raise InputError(doubt)
         self._infos = tuple(self._info(camera, found) for camera in cameras)
         self._sets = iter(
             [(view, list(pictures)) for view, pictures in groupby(found.sources, lambda one: one.view)]

@@ -100,8 +100,8 @@ def add_cameras(parser: argparse.ArgumentParser, of: str = "loose pictures") -> 
         help=f"cameras of {of} by the end of the name, '_0=left,_1=right', or by a pattern: "
         "'left*=left,right*=right', 'L/*=left,R/*=right', or by one with named parts: "
         "'shot_{view}_cam{camera}', '{camera}/{view}', or by lists of pictures, whose lines are the views, "
-        "or folders: 'left=left.txt,right=right.txt', 'left=A/,right=B/'; '*=camera' states that one camera "
-        "took all",
+        "folders or forms of names: 'left=left.txt,right=right.txt', 'left=A/,right=B/', "
+        "'left=A/L_*.png,right=A/R_*.png'; '*=camera' states that one camera took all",
     )
     parser.add_argument(
         "--raw",

@@ -1,9 +1,11 @@
-"""Cameras by lists: a text file of paths or a folder for each, whose pictures are views in their order."""
+"""Cameras by lists: a text file of paths, a folder or a form of names for each; views are in their order."""
 
 from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 from labcal.arguments import one_text
+from labcal.correspond.natural_order import in_name_order
 from labcal.correspond.picture_lists import LIST, listed_pictures
 from labcal.correspond.sources import Source
 from labcal.errors import InputError
@@ -12,11 +14,14 @@ from labcal.shoot.pictures import SUFFIXES
 from labcal.shoot.raw_pictures import RAW_SUFFIXES, RawFormat
 from labcal.wording import clipped, counted, listed
 
+_ANY = "*"
+
 
 def camera_lists(cameras: Mapping[str, str] | str | None) -> dict[str, str] | None:
     """Return the list or folder of each camera, of ``left=left.txt,right=right.txt``; None for other forms.
 
-    A list ends in .txt; a folder has a slash, ``left=A/,right=B/``, which no name of a camera has.
+    A list ends in .txt; a folder has a slash, ``left=A/,right=B/``, which no name of a camera has; and a form
+    of names has a star, ``left=A/L_*.png,right=A/R_*.png``.
 
     Raises
     ------
@@ -87,7 +92,7 @@ def list_sources(
 
 
 def _is_place(text: str) -> bool:
-    return text.lower().endswith(LIST) or "/" in text or "\\" in text
+    return text.lower().endswith(LIST) or any(mark in text for mark in ("/", "\\", _ANY))
 
 
 def _key(image: str) -> str:
@@ -97,8 +102,12 @@ def _key(image: str) -> str:
 
 def _pictures(place: str, suffixes: frozenset[str]) -> list[str]:
     path = Path(place)
-    if path.is_dir():
-        found = sorted(str(entry) for entry in path.iterdir() if entry.suffix.lower() in suffixes)
+    if path.is_dir() or (_ANY in path.name and path.parent.is_dir()):
+        folder, form = (path, _ANY) if path.is_dir() else (path.parent, path.name.replace("[", "[[]"))
+        entries = [entry for entry in folder.iterdir() if fnmatchcase(entry.name, form)]
+        found = sorted(
+            (str(entry) for entry in entries if entry.suffix.lower() in suffixes), key=in_name_order
+        )
         if not found:
             raise InputError(f"There are no pictures ({', '.join(sorted(suffixes))}) in {place}.")
         return found
@@ -139,7 +148,8 @@ def _views(of: Mapping[str, Sequence[str]], lists: Mapping[str, str]) -> list[st
     for other in names[1:]:
         shared = [name for name in first if name in other]
         disordered = set(first) == set(other)
-        if disordered or (folders and shared):
+        moments = len(shared) < len(first) / 2 and _same_places(shared, first, other)
+        if disordered or (folders and shared and not moments):
             where = " and ".join(lists.values())
             raise InputError(
                 f"{where} have pictures of the same names ({listed(shared, 3)}), but not in the same order, "
@@ -148,3 +158,8 @@ def _views(of: Mapping[str, Sequence[str]], lists: Mapping[str, str]) -> list[st
             )
     digits = max(4, len(str(len(first))))
     return [f"{number:0{digits}d}" for number in range(1, len(first) + 1)]
+
+
+def _same_places(shared: Sequence[str], first: Sequence[str], other: Sequence[str]) -> bool:
+    """Tell whether names that are equal are in the same places, as of pictures of the same moment."""
+    return all(first.index(name) == other.index(name) for name in shared)

@@ -10,8 +10,12 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
-from labcal.correspond.camera_folders import camera_called, camera_folders, in_order
+from labcal.correspond.camera_called import cameras_called
+from labcal.correspond.camera_folders import camera_folders, equal_folders
+from labcal.correspond.cameras_in_turn import cameras_in_turn, order_option
+from labcal.correspond.glued_numbers import glued_cameras
 from labcal.correspond.name_patterns import ANY, NameParts, best_pattern, name_parts, view_in
+from labcal.correspond.natural_order import in_order
 
 _SIDES = ({"left", "right"}, {"l", "r"}, {"links", "rechts"}, {"gauche", "droite"}, {"lft", "rgt"})
 _CAMERA = {"cam", "cams", "camera", "cameras", "kamera", "sensor", "eye"}
@@ -27,6 +31,8 @@ _SERIAL_DIGITS = 5
 _FULL, _FULL_VIEWS, _MANY_VIEWS = 0.8, 3, 5
 """Share of pictures, and whole views, from which on some may be missing where a single digit or letter at the
 end of the names is the camera's; and whole views where a folder, a word or the number of a device is."""
+_BY_CHANCE = 0.2
+"""Share of views with pictures of all cameras up to which moments are equal by chance."""
 _NAMING = ("folder", "word", "serial")
 """Parts of names that may be what a camera is called, whatever they are."""
 
@@ -75,8 +81,8 @@ def named_cameras(images: Sequence[str]) -> NamedCameras | None:
     for kinds, splits in sorted(alike.items(), key=lambda item: -len(item[1])):
         if found := _Names(kinds, tuple(splits)).cameras():
             return found
-    folders = camera_folders(images)
-    return None if folders is None else NamedCameras(*folders)
+    others = camera_folders(images) or glued_cameras(images)
+    return None if others is None else NamedCameras(*others)
 
 
 @dataclass(frozen=True)
@@ -89,17 +95,20 @@ class _Names:
     def cameras(self) -> NamedCameras | None:
         """Return the cameras in these names."""
         candidates = [places for places in self._together() if self._tells(places)]
-        if not candidates:
+        in_turn = None if candidates else cameras_in_turn(self.splits)
+        if not candidates and in_turn is None:
             return None
-        places = min(candidates, key=self._doubt)
-        folders = None if self._pairs(places) else camera_folders([split.image for split in self.splits])
+        places = in_turn or min(candidates, key=self._doubt)
+        pairs = self._pairs(places)
+        folders = None if pairs else equal_folders([split.image for split in self.splits])
         if folders is not None:
             return NamedCameras(*folders)
         values = self._values(places)
         pictures = [
             next(split.image for split in self.splits if self._at(split, places) == value) for value in values
         ]
-        return NamedCameras(self._option(places), tuple(pictures))
+        ordered = None if pairs else order_option(self.splits, places)
+        return NamedCameras(ordered or self._option(places), tuple(pictures))
 
     def _doubt(self, places: tuple[int, ...]) -> tuple[bool, int, bool, int, int]:
         """Return a sort key of places: the place that most likely names the camera is first.
@@ -188,16 +197,18 @@ class _Names:
         return self.kinds[place] in _NAMING or (self.kinds[place] == "number" and shortest >= _SERIAL_DIGITS)
 
     def _pairs(self, places: tuple[int, ...]) -> bool:
-        """Tell whether there is a view of all cameras."""
+        """Tell whether views have pictures of all cameras, and not by chance."""
         rest = [place for place in range(len(self.kinds)) if place not in places]
         views = Counter(self._at(split, rest) for split in self.splits)
-        return max(views.values()) == len(self._values(places))
+        whole = sum(count == len(self._values(places)) for count in views.values())
+        return whole > _BY_CHANCE * len(views)
 
     def _option(self, places: tuple[int, ...]) -> str | None:
         """Return the value of ``--cameras`` that distinguishes the cameras."""
         values = self._values(places)
         for pattern_of in (self._short, self._long):
-            patterns = {pattern_of(value, places): camera_called(value[0]) for value in values}
+            called = cameras_called([value[0] for value in values])
+            patterns = {pattern_of(value, places): name for value, name in zip(values, called, strict=True)}
             plain = not any(mark in pattern for pattern in patterns for mark in ",=")
             if (
                 plain

@@ -13,7 +13,7 @@ from labcal.wording import listed
 
 _ENDINGS_SHOWN = 8
 _FOLDERS_TRIED = 100
-_LEVELS = 2
+_LEVELS = 4
 """Folders within a folder in which pictures are looked for."""
 
 
@@ -72,7 +72,7 @@ def picture_folders(folder: AnyPath) -> list[Path]:
     for _ in range(_LEVELS):
         if any(_pictures_in(one) for one in level):
             return level
-        level = _folders_in(level)
+        level = list(islice((folder for one in level for folder in _folders_in([one])), _FOLDERS_TRIED))
         every += level
     return level if any(_pictures_in(one) for one in level) else every
 

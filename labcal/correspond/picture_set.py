@@ -12,6 +12,7 @@ from labcal.arguments import one_text, wrong_type
 from labcal.cameras.rig import Rig
 from labcal.correspond.camera_lists import camera_lists, list_sources
 from labcal.correspond.name_patterns import CAMERA
+from labcal.correspond.one_camera import doubts
 from labcal.correspond.picture_folders import picture_files
 from labcal.correspond.pictures_left_out import left_out_words
 from labcal.correspond.printed_target import ShownTarget, named_target, read_target
@@ -170,7 +171,9 @@ def open_pictures(
         ending if camera == CAMERA else f"{ending}={camera}" for ending, camera in endings.items()
     )
     sources = tuple(replace(source, raw=form) for source in find_sources(paths, endings))
-    return PictureSet(sources, None, _name(paths[0]), tuple(paths), left_out, text, stated)
+    doubt = None if endings else doubts([source.image for source in sources])
+    warnings = left_out if doubt is None else (*left_out, doubt)
+    return PictureSet(sources, None, _name(paths[0]), tuple(paths), warnings, text, stated)
 
 
 def with_raw_files(paths: Sequence[str]) -> list[str]:

@@ -4,62 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from labcal.correspond.picture_folders import picture_folders
+from labcal.shoot.other_formats import CAMERA_RAW, CONVERT_OTHER, EXPORT_RAW, OTHER
 from labcal.wording import counted, listed
 
 _SHOWN = 3
-_OTHER = frozenset(
-    [
-        ".gif",
-        ".heic",
-        ".heif",
-        ".hif",
-        ".avif",
-        ".jp2",
-        ".j2k",
-        ".jxl",
-        ".jfif",
-        ".jpe",
-        ".pam",
-        ".pfm",
-        ".hdr",
-        ".tga",
-        ".psd",
-        ".dib",
-        ".pcx",
-        ".ras",
-    ]
-)
-"""Endings of pictures that other programs convert without a loss."""
-_RAW = frozenset(
-    [
-        ".raw",
-        ".dng",
-        ".cr2",
-        ".cr3",
-        ".crw",
-        ".nef",
-        ".nrw",
-        ".arw",
-        ".sr2",
-        ".srf",
-        ".raf",
-        ".orf",
-        ".rw2",
-        ".pef",
-        ".srw",
-        ".x3f",
-        ".iiq",
-        ".3fr",
-        ".erf",
-        ".mrw",
-        ".kdc",
-        ".dcr",
-        ".mos",
-        ".rwl",
-        ".gpr",
-    ]
-)
-"""Endings of pictures that a camera stores before it develops them."""
 
 
 def left_out_words(paths: Sequence[str]) -> list[str]:
@@ -78,13 +26,7 @@ def left_out_words(paths: Sequence[str]) -> list[str]:
         for entry in sorted(folder.iterdir())
     ]
     messages = []
-    for endings, mend in (
-        (_OTHER, "Convert them to PNG, which loses nothing (ImageMagick: magick mogrify -format png FILES)."),
-        (
-            _RAW,
-            "Export raw pictures as TIFF of 16 bits, without correction of the lens and without cropping.",
-        ),
-    ):
+    for endings, mend in ((OTHER, CONVERT_OTHER), (CAMERA_RAW, EXPORT_RAW)):
         names = [str(entry) for entry in entries if entry.suffix.lower() in endings]
         if names:
             kinds = ", ".join(sorted({Path(name).suffix.lower() for name in names}))

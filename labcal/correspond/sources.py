@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from labcal.arguments import one_text, wrong_type
+from labcal.correspond.camera_called import cameras_called
 from labcal.correspond.name_patterns import ANY, CAMERA, VIEW, best_pattern, camera_in, view_in
 from labcal.correspond.named_cameras import named_cameras
 from labcal.correspond.picture_folders import endings_seen, picture_files
@@ -186,6 +187,12 @@ def _mend_of_twins(first: str, second: str) -> str:
             "If a camera stored each picture in two formats, give those of one, the better one: "
             f"{one.parent / '*'}{min(one.suffix, other.suffix, key=_is_lossy)}"
         )
+    if one.stem == other.stem and len(one.parts) == len(other.parts):
+        apart = next(pair for pair in zip(one.parts, other.parts, strict=True) if pair[0] != pair[1])
+        option = ",".join(
+            f"{folder}/*={name}" for folder, name in zip(apart, cameras_called(apart), strict=True)
+        )
+        return f"If their folders are those of cameras, state it: `cameras='{option}'`."
     return "Give them different names, or distinguish the cameras with `cameras='_0=left,_1=right'`."
 
 

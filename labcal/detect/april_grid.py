@@ -19,6 +19,7 @@ from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.corners.tag_codes import SeenTags, read_tags
 from labcal.detect.corners.tag_places import cells_along, tags_in_place
 from labcal.detect.corners.tag_search import OFFSETS, measured_tags
+from labcal.detect.corners.tags_beyond import first_id_of_rows
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
@@ -73,8 +74,9 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     else:
         seen = read_bare_tags(grey, grid, settings)
         placed = tags_in_place(seen, grid, settings.corner)
-        if has_corner_squares(grey, grid, placed):
-            return _refused(grey, (Refusal.CORNER_SQUARES, _HAS_SQUARES), settings)
+    other = _another(grey, seen, placed, grid)
+    if other is not None:
+        return _refused(grey, other, settings)
     if not placed:
         refusal, detail = _why_not(grey, seen, grid, settings)
         if grid.corner_squares and _placed(np.ascontiguousarray(grey[:, ::-1]), grid, settings)[1]:
@@ -111,6 +113,20 @@ def _unless_too_soft(dots: PictureDots, corners: Corners, cell_px: float) -> Pic
         return dots
     detail = f"A cell of a tag is {cell_px:.1f} px wide, and edges are blurred by {blur:.1f} px."
     return dots.refused(Refusal.BLURRED, detail)
+
+
+def _another(
+    grey: GreyPicture, seen: SeenTags, placed: dict[int, Pixels], grid: AprilGrid
+) -> tuple[Refusal, str] | None:
+    """Return why tags in place are not the grid's: their corners have squares, or it has another first id."""
+    if not placed:
+        return None
+    if not grid.corner_squares and has_corner_squares(grey, grid, placed):
+        return Refusal.CORNER_SQUARES, _HAS_SQUARES
+    first = first_id_of_rows(seen, placed, grid)
+    if first is None:
+        return None
+    return Refusal.OTHER_IDS, f"{_ids(seen, grid)} They fit the grid with first_id: {first}."
 
 
 def _placed(
@@ -160,12 +176,17 @@ def _why_not(
     if len(seen.number) == 0:
         return Refusal.NO_MARKERS, ""
     last = grid.first_id + grid.tag_count - 1
-    numbers = sorted(set(seen.number.tolist()))
-    detail = ids_read("Tag", numbers, str(grid.dictionary), (grid.first_id, last))
+    numbers, detail = set(seen.number.tolist()), _ids(seen, grid)
     own = sum(grid.first_id <= number <= last for number in numbers)
     if own <= len(numbers) - own:
         return Refusal.OTHER_IDS, detail
     return (Refusal.MARKERS_UNREADABLE if own == 1 else Refusal.OTHER_BOARD), detail
+
+
+def _ids(seen: SeenTags, grid: AprilGrid) -> str:
+    """Return a sentence on the tags that are read, and those of the grid."""
+    last = grid.first_id + grid.tag_count - 1
+    return ids_read("Tag", sorted(set(seen.number.tolist())), str(grid.dictionary), (grid.first_id, last))
 
 
 def _is_smooth(index: DotIndices, seen: Pixels, settings: DetectSettings) -> bool:

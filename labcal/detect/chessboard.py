@@ -7,6 +7,7 @@ import numpy as np
 
 from labcal.detect.corners.board_lattice import find_board_lattices
 from labcal.detect.corners.board_numbering import SeenBoard, number_board, part_numberings
+from labcal.detect.corners.clipped_edges import burnt_words
 from labcal.detect.corners.corner_agreement import without_disagreeing
 from labcal.detect.corners.corners import Corners, measured_corners, spans_a_plane, widened_corners
 from labcal.detect.corners.outer_lines import shown_lines, shows_outer_lines
@@ -70,11 +71,12 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     corners = widened_corners(grey, board, corners, settings.corner)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
     if not corners.select(ok).spans_a_plane():
-        return _torn(picture_corners(corners, grey, None, settings), corners, board, settings)
+        return _torn(grey, picture_corners(corners, grey, None, settings), corners, board, settings)
     if not board.marks and not _shows_its_rim(corners.index[ok], board, settings.saddle):
         if _has_hard_edges(corners, settings) and _shows_its_rim(found.corners.index, board, settings.saddle):
-            return _torn(picture_corners(corners, grey, None, settings), corners, board, settings)
-        return replace(picture_corners(corners, grey, Refusal.BOARD_IN_PART, settings), detail=_RIM_UNCLEAR)
+            return _torn(grey, picture_corners(corners, grey, None, settings), corners, board, settings)
+        detail = _RIM_UNCLEAR + burnt_words(grey, corners.seen_at, settings)
+        return replace(picture_corners(corners, grey, Refusal.BOARD_IN_PART, settings), detail=detail)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     if not is_smooth(lattice, corners.seen_at, settings.grid):
         return picture_corners(corners, grey, Refusal.GRID_INCONSISTENT, settings)
@@ -89,17 +91,22 @@ def _agreeing(
     dots = without_disagreeing(dots, dots.index.astype(np.float64))
     index = dots.index[dots.ok]
     if not spans_a_plane(index):
-        return _torn(dots, corners, board, settings)
+        return _torn(grey, dots, corners, board, settings)
     if not board.marks and not _shows_its_rim(index, board, settings.saddle):
-        return replace(dots.refused(Refusal.BOARD_IN_PART), detail=_RIM_UNCLEAR)
+        detail = _RIM_UNCLEAR + burnt_words(grey, corners.seen_at, settings)
+        return replace(dots.refused(Refusal.BOARD_IN_PART), detail=detail)
     return replace(dots, others=board.symmetric_indices(dots.index))
 
 
-def _torn(dots: PictureDots, corners: Corners, board: Chessboard, settings: DetectSettings) -> PictureDots:
+def _torn(
+    grey: GreyPicture, dots: PictureDots, corners: Corners, board: Chessboard, settings: DetectSettings
+) -> PictureDots:
     """Return the corners of a board that is seen and numbered, refused because too few are measured."""
     detail = f"{len(corners.index)} of the board's {board.count} corners were seen, {dots.ok.sum()} measured."
     if _has_hard_edges(corners, settings):
         detail += " The edges have no blur, as in a drawing or a picture made black and white."
+    else:
+        detail += burnt_words(grey, corners.seen_at, settings)
     return refused_as_torn(dots, corners.index, detail, settings.corner)
 
 

@@ -33,13 +33,14 @@ def factorise(matrix: np.ndarray, n: int, least: float) -> bool:
 def solve(factor: np.ndarray, right: np.ndarray) -> None:
     """Solve with a Cholesky factor, in place; as many equations as `right` is long."""
     n = len(right)
+    # What is solved is taken from all others at once: none of these waits for another.
     for i in range(n):
-        total = right[i]
-        for k in range(i):
-            total -= factor[i, k] * right[k]
-        right[i] = total / factor[i, i]
-    for i in range(n - 1, -1, -1):
-        total = right[i]
+        right[i] /= factor[i, i]
+        solved = right[i]
         for k in range(i + 1, n):
-            total -= factor[k, i] * right[k]
-        right[i] = total / factor[i, i]
+            right[k] -= factor[k, i] * solved
+    for i in range(n - 1, -1, -1):
+        right[i] /= factor[i, i]
+        solved = right[i]
+        for k in range(i):
+            right[k] -= factor[i, k] * solved

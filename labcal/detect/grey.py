@@ -55,11 +55,13 @@ def clipping(grey: GreyPicture, share: float) -> tuple[float, float]:
     """
     if grey.size == 0:
         return -np.inf, np.inf
-    low, high, _, _ = cv2.minMaxLoc(grey)
     some = grey[:: 1 + grey.shape[0] // _ROWS]
-    few = share * some.size
+    few, low, high = share * some.size, some.min(), some.max()
     black, burnt = np.count_nonzero(some == low) > few, np.count_nonzero(some == high) > few
-    return (low if black else -np.inf), (high if burnt else np.inf)
+    if not (black or burnt):  # nor are there values beyond them in so many pixels
+        return -np.inf, np.inf
+    least, largest, _, _ = cv2.minMaxLoc(grey)
+    return (least if black and low == least else -np.inf), (largest if burnt and high == largest else np.inf)
 
 
 def is_flat(grey: GreyPicture) -> bool:

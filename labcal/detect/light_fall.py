@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from labcal.arrays import Pixels
+from labcal.arrays import PixelCovariances, Pixels
 from labcal.detect.edge_fit import EdgeFits
 from labcal.detect.slopes_around import AroundLimits, slopes_around
 
@@ -19,6 +19,9 @@ _MOST_ADDED = 0.0025
 the levels about a plane is large."""
 _DARKEST = 1e-6
 """Of a level, grey values."""
+_CLIPPED, _BLURS = 0.05, 2.2
+"""Share of the brighter side from which on it is clipped; and blurs that an edge then moves for each factor e
+of light, RMS of drawn boards whose light is 1.1 to 1.6 times the clipping value and rises by 30% across."""
 _LIMITS = AroundLimits(_NEIGHBOURS + 1, _FEWEST, _MOST_OBLONG, _MOST_ADDED, _DARKEST)
 
 
@@ -52,14 +55,36 @@ def in_falling_light(fits: EdgeFits) -> EdgeFits:
 
     What is bright of a print, be it the board or its dots, is alike everywhere: the levels of the dots around
     tell the slope of the light far better than the dot's own pixels do, and where the board is dark these do
-    not tell it. The covariance stays as it is, since such a slope adds below a hundredth of it.
+    not tell it. The covariance stays as it is, since such a slope adds below a hundredth of it; where what is
+    bright is clipped, it grows.
 
     Parameters
     ----------
     fits : EdgeFits
     """
     slopes = _slopes(fits)
-    return replace(fits, light_slope=slopes, centre=_lit(fits, slopes))
+    covariance = fits.covariance + _clipped_covariances(fits)
+    return replace(fits, light_slope=slopes, centre=_lit(fits, slopes), covariance=covariance)
+
+
+def _clipped_covariances(fits: EdgeFits) -> PixelCovariances:
+    """Return what clipping and a slope of the light together add to covariances, px squared, shape (n, 2, 2).
+
+    An edge whose brighter side is cut off stands further towards the dark by some blurs for each factor e
+    of light, so that the outline moves along the slope of the light by that, times the radius. The slope is
+    that of the darker levels of the dots around.
+    """
+    added = np.zeros((len(fits.ok), 2, 2))
+    clipped = fits.ok & (fits.burnt > _CLIPPED)
+    if not clipped.any():
+        return added
+    dark = np.minimum(fits.board, fits.dot)
+    none = np.zeros_like(fits.light_slope)
+    slopes = slopes_around(fits.ok, (dark, dark), fits.centre, (fits.blur, fits.covariance), none, _LIMITS)
+    radius = np.linalg.det(fits.shape[clipped]) ** 0.25
+    moved = (_BLURS * fits.blur[clipped] * radius)[:, None] * slopes[clipped]
+    added[clipped] = moved[:, :, None] * moved[:, None, :]
+    return added
 
 
 def _slopes(fits: EdgeFits) -> Pixels:

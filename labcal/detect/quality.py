@@ -54,7 +54,7 @@ def flag_dots(
     blurred = spots.blur > limits.max_blur_share * minor
     saturated = fits.ok & (burnt_out | (fits.clipped > limits.max_clipped_share))
     out = ~fits.ok | rough | saturated | blurred
-    inside = np.array([target.holds(col, row) for col, row in index.tolist()], dtype=bool)
+    inside = target.holds_each(index)
     flag = tuple(
         [
             (DotFlag.OK if held else DotFlag.BEYOND_GRID) if not bad else _reason(soft, burnt)

@@ -35,3 +35,10 @@ def bands(height: int) -> Iterator[Band]:
     """Return the bands of a picture, from the top."""
     for first in range(0, height, ROWS):
         yield Band(first, min(first + ROWS, height))
+
+
+def strips(height: int, rows: int, halo: int) -> Iterator[tuple[slice, slice]]:
+    """Yield strips of so many rows of a picture, and each with up to `halo` more rows on both sides."""
+    for first in range(0, height, rows):
+        last = min(first + rows, height)
+        yield slice(first, last), slice(max(0, first - halo), min(last + halo, height))

@@ -34,9 +34,9 @@ def deliver(
     Parameters
     ----------
     light : ndarray of float32, shape (height, width), or (height, width, 3) for a Bayer mosaic
-        Radiance that each pixel receives.
+        Radiance that each pixel gathers, behind the point spread of the lens.
     photometry : Photometry
-        The format EXR holds the light after the point spread as a share of the saturation, without any noise.
+        The format EXR holds the light as a share of the saturation, without any noise.
     exposure : Exposure
     shot : Shot or None
         What the noise is drawn for; none: no noise and no patterns.
@@ -48,7 +48,7 @@ def deliver(
         The file exists already, or cannot be written.
     """
     if photometry.format is PictureFormat.EXR:
-        write_exr(destination.path, expose(light, photometry, exposure), destination.texts)
+        write_exr(destination.path, expose(light, exposure), destination.texts)
         return
     picture = sensor_picture(light, photometry, exposure, shot)
     write_picture(destination.path, picture, jpeg_quality=photometry.jpeg_quality)

@@ -1,14 +1,19 @@
-"""The light of one picture, linear, without sensor noise: the sum of bands of rows and sub-frames."""
+"""The light of one picture behind the lens, linear and noise-free: the sum of bands and sub-frames."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from labcal.render.bands import ROWS, strips
+from labcal.render.camera_rays import CameraRays
+from labcal.render.film import CELLS_AT_ONCE, Film, traced_cells
 from labcal.render.laboratories import Laboratories
-from labcal.render.laboratory import Draw
+from labcal.render.laboratory import Draw, Laboratory
+from labcal.render.point_spread import finer, reach
 from labcal.rng import integer_seed
-from labcal.scene.subframes import subframes
+from labcal.scene.subframes import Subframes, subframes
 from labcal.scene.take import Take
 
 
@@ -32,31 +37,78 @@ class Case:
 
 
 def render_light(laboratories: Laboratories, case: Case) -> np.ndarray:
-    """Return the radiance at each pixel of a picture, the mean over its exposure.
+    """Return the light that each pixel of a picture gathers, the mean over its exposure.
 
-    Everything is added in a fixed order, so that the bytes are the same each time. The rays a pixel are
-    shared among the sub-frames of a moving target, each having at least one, so that no row has more noise
-    than a still picture's.
+    The lens blurs the light before the pixels gather it. Everything is added in a fixed order, so that the
+    bytes are the same each time. The rays a pixel are shared among the sub-frames of a moving target, each
+    having at least one, so that no row has more noise than a still picture's.
 
     Returns
     -------
     ndarray, shape (height, width) or (height, width, 3)
-        float32, in the unit of the scene's lamps.
+        float32, radiance in the unit of the scene's lamps.
     """
     scene, camera = laboratories.scene, case.take.device
-    frames = subframes(case.take, scene.target)
-    count = math.ceil(scene.spp / frames.averaged)
     laboratory = laboratories.of_size(camera.size)
-    rays = laboratory.rays_of(camera, scene.cameras[case.camera].aperture)
-    seed = integer_seed(case.seed, case.view, case.camera)
-    light = np.zeros(laboratory.shape, dtype=np.float32)
-    for number, seconds in enumerate(frames.seconds):
-        laboratory.place(case.take.track.at(float(seconds)))
-        draw = Draw(seed, count * len(frames.seconds), count * number, count)
-        first, end = frames.rows(number)
-        step = laboratory.rows_at_once(count)
-        for top in range(first, end, step):
-            rows = slice(top, min(top + step, end))
-            weight = frames.weights[number, rows].astype(np.float32).reshape(-1, *(1,) * (light.ndim - 1))
-            light[rows] += weight * laboratory.trace(rays, rows, draw)
-    return light
+    frames = subframes(case.take, scene.target)
+    exposing = _Exposing(
+        laboratory=laboratory,
+        rays=laboratory.rays_of(camera, scene.cameras[case.camera].aperture),
+        case=case,
+        frames=frames,
+        count=math.ceil(scene.spp / frames.averaged),
+    )
+    blur_px = case.take.photometry(scene.photometry).blur_px
+    return exposing.sharp() if blur_px == 0.0 else exposing.blurred(blur_px)
+
+
+@dataclass(frozen=True)
+class _Exposing:
+    """The tracing of one picture."""
+
+    laboratory: Laboratory
+    rays: CameraRays
+    case: Case
+    frames: Subframes
+    count: int
+    """Rays a pixel of each sub-frame."""
+
+    def sharp(self) -> np.ndarray:
+        """Return the mean radiance of each pixel."""
+        light = np.zeros(self.laboratory.shape, dtype=np.float32)
+        for number, rows, draw in self._parts(slice(0, len(light))):
+            weight = self.frames.weights[number, rows].astype(np.float32)
+            traced = self.laboratory.trace(self.rays, rows, draw)
+            light[rows] += weight.reshape(-1, *(1,) * (light.ndim - 1)) * traced
+        return light
+
+    def blurred(self, blur_px: float) -> np.ndarray:
+        """Return the light that pixels gather behind a point spread, from films of some rows each."""
+        light = np.zeros(self.laboratory.shape, dtype=np.float32)
+        height, width, *channels = light.shape
+        cells, halo = finer(blur_px, self.count), reach(blur_px)
+        step = max(ROWS, CELLS_AT_ONCE // (width * cells**2 * math.prod(channels)))
+        for own, wide in strips(height, step, halo):
+            even = self.count % cells**2 == 0
+            film = Film(wide.stop - wide.start, width, cells, tuple(channels), even=even)
+            for number, rows, draw in self._parts(wide):
+                pixels = np.arange(rows.start * width, rows.stop * width)
+                traced = traced_cells(self.laboratory, self.rays, pixels, draw, cells)
+                weight = self.frames.weights[number, rows].astype(np.float32)
+                film.add(slice(rows.start - wide.start, rows.stop - wide.start), weight, traced)
+            light[own] = film.gathered(blur_px)[own.start - wide.start : own.stop - wide.start]
+        return light
+
+    def _parts(self, within: slice) -> Iterator[tuple[int, slice, Draw]]:
+        """Yield what is traced at once: number of the sub-frame (placed), rows, and samples."""
+        seed = integer_seed(self.case.seed, self.case.view, self.case.camera)
+        for number, seconds in enumerate(self.frames.seconds):
+            first, end = self.frames.rows(number)
+            first, end = max(first, within.start), min(end, within.stop)
+            if first >= end:
+                continue
+            self.laboratory.place(self.case.take.track.at(float(seconds)))
+            draw = Draw(seed, self.count * len(self.frames.seconds), self.count * number, self.count)
+            step = self.laboratory.rows_at_once(self.count)
+            for top in range(first, end, step):
+                yield number, slice(top, min(top + step, end)), draw

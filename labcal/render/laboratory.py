@@ -151,35 +151,6 @@ class Laboratory:
         band = means.reshape(-1, width, means.shape[-1])
         return band if self.colour else band[..., 0]
 
-    def trace_pixels(self, camera: Rays, pixels: np.ndarray, draw: Draw) -> np.ndarray:
-        """Return the radiance of single pixels, as :meth:`trace` has it.
-
-        Parameters
-        ----------
-        camera : Rays
-        pixels : ndarray of int, shape (n,)
-            Numbers of pixels, row by row.
-        draw : Draw
-
-        Returns
-        -------
-        ndarray, shape (n,) or (n, 3)
-            float32.
-        """
-        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
-
-        mi, count, step = self.mi, draw.count, max(1, RAYS_AT_ONCE // draw.count)
-        each = dr.opaque(mi.UInt32, count)
-        parts = []
-        for first in range(0, len(pixels), step):
-            chosen = mi.UInt32(np.asarray(pixels[first : first + step], dtype=np.uint32))
-            lane = dr.arange(mi.UInt32, dr.width(chosen) * count)
-            pixel = dr.gather(mi.UInt32, chosen, lane // each)
-            index = lane % each + dr.opaque(mi.UInt32, draw.first)
-            parts.append(self._means(camera, pixel, index, draw))
-        light_of = np.concatenate([np.zeros((0, 3 if self.colour else 1), dtype=np.float32), *parts])
-        return light_of if self.colour else light_of[..., 0]
-
     def _means(self, camera: Rays, pixel: Jit, index: Jit, draw: Draw) -> np.ndarray:
         """Return the mean radiance of pixels over the samples of a draw, float32, shape (n, channels).
 
@@ -194,17 +165,33 @@ class Laboratory:
         """
         import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
-        mi = self.mi
-        across = dr.opaque(mi.UInt32, self.size[0])
-        samples = Samples(mi, pixel, index, dr.opaque(mi.UInt32, draw.seed), draw.total)
-        within = samples.square(PIXEL)
-        u = mi.Float64(pixel % across) + (mi.Float64(within.x) - 0.5)
-        v = mi.Float64(pixel // across) + (mi.Float64(within.y) - 0.5)
-        ray, weight = camera.rays(Pixels(u, v, samples))
-        light = radiance(self._placed(), ray, samples) * weight
+        samples = Samples(self.mi, pixel, index, dr.opaque(self.mi.UInt32, draw.seed), draw.total)
+        light = self.radiance(camera, pixel, samples.square(PIXEL), samples)
         dr.eval(light)  # once for all channels: else each of them would trace its own rays
         channels = [np.array(dr.block_sum(channel, draw.count)) for channel in light]
         return np.stack(channels, axis=-1) / np.float32(draw.count)
+
+    def radiance(self, camera: Rays, pixel: Jit, within: Jit, samples: Samples) -> Jit:
+        """Return the radiance of samples.
+
+        Parameters
+        ----------
+        camera : Rays
+        pixel : array of the variant
+            Number of each sample's pixel.
+        within : array of the variant
+            Points in the pixels, 0 to 1.
+        samples : Samples
+            For points of lamps and of the aperture.
+        """
+        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
+
+        mi = self.mi
+        across = dr.opaque(mi.UInt32, self.size[0])
+        u = mi.Float64(pixel % across) + (mi.Float64(within.x) - 0.5)
+        v = mi.Float64(pixel // across) + (mi.Float64(within.y) - 0.5)
+        ray, weight = camera.rays(Pixels(u, v, samples))
+        return radiance(self._placed(), ray, samples) * weight
 
     def _placed(self) -> LitScene:
         """Return the scene with its target in place."""

@@ -12,7 +12,6 @@ From pixel to pixel the sensitivity varies by PRNU and the dark signal by DSNU; 
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from labcal.render.bands import Band, bands
@@ -71,23 +70,20 @@ def exposure_for(photometry: Photometry, brightest: np.ndarray) -> Exposure:
     return Exposure(white / strongest, (red, green, blue))
 
 
-def expose(light: np.ndarray, photometry: Photometry, exposure: Exposure) -> np.ndarray:
-    """Return the light on the sensor, after the point spread, as a share of the saturation.
+def expose(light: np.ndarray, exposure: Exposure) -> np.ndarray:
+    """Return the light on the sensor as a share of the saturation.
 
     Parameters
     ----------
     light : ndarray, shape (height, width) or (height, width, 3)
-        Radiance that each pixel receives.
-    photometry : Photometry
+        Radiance that each pixel gathers, behind the point spread of the lens.
     exposure : Exposure
 
     Returns
     -------
     ndarray, float32, of the shape of `light`
     """
-    share = np.empty(light.shape, dtype=np.float32)
-    for band in bands(len(light)):
-        share[band.rows] = _exposed(light, band, photometry, exposure)
+    share: np.ndarray = light * np.float32(exposure.gain)
     return share
 
 
@@ -96,14 +92,16 @@ def read_sensor(
 ) -> np.ndarray:
     """Return the codes that the converter reads from an exposed sensor.
 
-    In this order: point spread; exposure; photon noise with PRNU, and dark current; DSNU; full well;
-    read noise; gain and black level; the converter's steps and range.
+    In this order: exposure; photon noise with PRNU, and dark current; DSNU; full well; read noise; gain and
+    black level; the converter's steps and range.
 
     Parameters
     ----------
     light : ndarray, shape (height, width), or (height, width, 3) for a Bayer mosaic
-        Radiance that each pixel receives.
+        Radiance that each pixel gathers, behind the point spread of the lens
+        (:func:`labcal.render.point_spread.gathered`).
     photometry : Photometry
+        Its point spread takes no part.
     exposure : Exposure
     shot : Shot or None
         What the noise is drawn for; none: the mean signal is converted, and there are no patterns.
@@ -115,7 +113,7 @@ def read_sensor(
     """
     codes = np.empty(light.shape[:2], dtype=np.uint16)
     for band in bands(len(light)):
-        share = _exposed(light, band, photometry, exposure)
+        share = expose(light[band.rows], exposure)
         signal = np.maximum(mosaic(share) if photometry.bayer else share, np.float32(0))
         signal *= np.float32(photometry.saturation_e)
         electrons = _gathered(signal, photometry, shot, band)
@@ -124,18 +122,6 @@ def read_sensor(
         np.rint(electrons, out=electrons)
         codes[band.rows] = np.clip(electrons, 0, photometry.highest_code, out=electrons)
     return codes
-
-
-def _exposed(light: np.ndarray, band: Band, photometry: Photometry, exposure: Exposure) -> np.ndarray:
-    """Return :func:`expose` of one band, float32."""
-    sigma = photometry.blur_px
-    if sigma == 0.0:
-        return light[band.rows] * np.float32(exposure.gain)
-    halo = int(np.ceil(4.0 * sigma))
-    blurred = cv2.GaussianBlur(
-        band.widened(light, halo), (2 * halo + 1, 2 * halo + 1), sigma, borderType=cv2.BORDER_REPLICATE
-    )
-    return band.narrowed(blurred, halo) * np.float32(exposure.gain)
 
 
 def _gathered(signal: np.ndarray, photometry: Photometry, shot: Shot | None, band: Band) -> np.ndarray:

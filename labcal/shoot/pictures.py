@@ -14,6 +14,7 @@ from labcal.run.file_reading import read_bytes
 from labcal.run.outputs import write_file
 from labcal.shoot.exr import read_exr
 from labcal.shoot.library_messages import kept_messages
+from labcal.shoot.other_formats import CAMERA_RAW, format_advice
 from labcal.shoot.picture_header import PictureKind, declared_size, picture_kind, require_sensible_size
 from labcal.shoot.picture_stacks import require_one_picture
 from labcal.wording import clipped
@@ -67,7 +68,13 @@ def read_picture(path: AnyPath) -> np.ndarray:
     """
     path = as_path(path)
     data = read_bytes(path, "picture", MOST_BYTES)
+    if not data:
+        raise InputError(f"{path} is not a picture: it is empty (0 bytes). Copy it again.")
     kind = picture_kind(data)
+    developed = path.suffix.lower() not in CAMERA_RAW or kind is not PictureKind.TIFF
+    advice = None if kind is not None and developed else format_advice(path, data)
+    if advice is not None:
+        raise InputError(f"{path} is none of {', '.join(PictureKind)}, which labcal reads. {advice}")
     if kind is None:
         raise InputError(
             f"{path} is not a picture, or is damaged: it begins as none of {', '.join(PictureKind)} do. Copy "

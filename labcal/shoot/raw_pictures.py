@@ -18,6 +18,9 @@ _FORM = re.compile(r"(Mono|Bayer(?:RG|GR|GB|BG))(8|10|12|14|16|10p|12p|10Packed|
 _WHOLE_BYTE = 8
 _BURNT_SHARE = 0.01
 """More pixels of a colour than this with the largest value of all are burnt out."""
+_OTHER_GREENS, _TIMES_ALIKE = 0.05, 4.0
+"""Difference of the means of two greens, over the largest mean, that no mosaic has; and how many times that
+of red and blue it is where these are the greens."""
 _CORNERS = {"RG": "RGGB", "GR": "GRBG", "GB": "GBRG", "BG": "BGGR"}
 
 
@@ -52,7 +55,7 @@ def parse_raw_format(text: str) -> RawFormat:
     InputError
         It is none.
     """
-    found = _FORM.fullmatch(text)
+    found = _FORM.fullmatch(_by_genicam(text))
     if found is None:
         raise InputError(
             "`raw` takes a pixel format, Mono or BayerRG, BayerGR, BayerGB, BayerBG with 8, 10, 12, 14, 16, "
@@ -66,6 +69,15 @@ def parse_raw_format(text: str) -> RawFormat:
     if size is not None and not 0 < size[0] * size[1] <= MOST_PIXELS:
         raise InputError(f"`raw` states {size[0]} x {size[1]} pixels, which no picture has.")
     return RawFormat(colours.removeprefix("Bayer") if colours != "Mono" else None, bits, packing, size)
+
+
+def _by_genicam(text: str) -> str:
+    """Return GenICam's name of a pixel format that is written in other cases, or as ROS does: bayer_rggb8."""
+    name, colon, size = text.strip().partition(":")
+    name = re.sub(r"(?i)^bayer_(rg|gr|gb|bg)[rgb]{2}", lambda found: f"Bayer{found[1].upper()}", name)
+    name = re.sub(r"(?i)^(bayer)(rg|gr|gb|bg)", lambda found: f"Bayer{found[2].upper()}", name)
+    name = re.sub(r"(?i)^mono", "Mono", re.sub(r"(?i)packed$", "Packed", re.sub(r"P$", "p", name)))
+    return name + colon + size.lower()
 
 
 def read_raw_picture(path: AnyPath, raw: RawFormat) -> np.ndarray:
@@ -94,7 +106,22 @@ def read_raw_picture(path: AnyPath, raw: RawFormat) -> np.ndarray:
             f"The picture {path} holds no mosaic: it has colours already, or no whole numbers. Leave out "
             "`raw`."
         )
+    _refuse_other_pattern(path, picture, raw.pattern)
     return balanced_mosaic(picture, raw.pattern)
+
+
+def _refuse_other_pattern(path: Path, mosaic: np.ndarray, pattern: str) -> None:
+    """Raise where the two greens of a pattern differ, and its red and blue are alike as greens are."""
+    means = [float(mosaic[i::2, j::2].mean()) for i in (0, 1) for j in (0, 1)]
+    green = [mean for mean, colour in zip(means, _CORNERS[pattern], strict=True) if colour == "G"]
+    other = [mean for mean, colour in zip(means, _CORNERS[pattern], strict=True) if colour != "G"]
+    apart, alike = abs(green[0] - green[1]), abs(other[0] - other[1])
+    if apart > _OTHER_GREENS * max(means) and alike < apart / _TIMES_ALIKE:
+        turned = {"RG": "BayerGR or BayerGB", "BG": "BayerGR or BayerGB"}.get(pattern, "BayerRG or BayerBG")
+        raise InputError(
+            f"The mosaic of {path} is not Bayer{pattern}: what would be its two greens differ by "
+            f"{100 * apart / max(green):.0f}%, and its red and blue are alike. Name another one, {turned}."
+        )
 
 
 def balanced_mosaic(mosaic: np.ndarray, pattern: str) -> np.ndarray:

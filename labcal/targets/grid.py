@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from labcal.arrays import DotIndices, Lengths, Vectors3
+from labcal.arrays import DotIndices, Lengths, Mask, Vectors3
 from labcal.bounds import LEAST_SHARE_OF_PITCH, MOST_DOTS, Length, Margin
 from labcal.run.names import Name
 from labcal.targets.scaled_print import ScaledPrint
@@ -233,6 +233,10 @@ class DotGrid(ScaledPrint):
     def holds(self, col: int, row: int) -> bool:
         """Return whether the declared grid has a dot of this index."""
         return 0 <= col < self.cols and 0 <= row < self.rows
+
+    def holds_each(self, indices: DotIndices) -> Mask:
+        """Return whether the declared grid has dots of these indices, shape (n, 2)."""
+        return np.asarray(((indices >= 0) & (indices < [self.cols, self.rows])).all(axis=1))
 
     def indices(self) -> DotIndices:
         """Return (col, row) of every dot, row by row from dot (0, 0), shape (count, 2), integer."""

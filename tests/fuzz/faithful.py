@@ -10,9 +10,11 @@ import numpy as np
 
 from fuzz.file_mutants import file_mutants
 from fuzz.stated_cameras import READERS, Files, Stated, stated_camera
+from fuzz.stated_forms import FORMS
+from fuzz.stated_robots import ROBOTS, Example
 from labcal.cameras.camera import Camera
-from labcal.cameras.interop.exchange import Home, ReadOptions, Unit
-from labcal.cameras.interop.registry import FORMATS
+from labcal.cameras.interop.exchange import Home, ReadOptions
+from labcal.cameras.interop.registry import FORMATS, READ
 from labcal.cameras.interop.rig_files import read_rig_files
 from labcal.cameras.rig import Rig
 from labcal.errors import LabcalError
@@ -49,24 +51,23 @@ def readings(name: str, folder: Path, seed: int, count: int) -> Iterator[Reading
     Parameters
     ----------
     name : str
-        A format.
+        A format, or a form of it.
     folder : Path
         An empty folder, for the files.
     seed : int
         The same one gives the same mutants.
     count : int
     """
-    chosen = FORMATS[name.split(".", maxsplit=1)[0]]
+    example = example_of(name)
+    chosen = READ[example.format_name]
     rng = np.random.default_rng([seed, *name.encode()])
-    unit = Unit.MILLIMETRES if "unit" in chosen.options else None
-    if chosen.unit is Unit.METRES:
-        unit = Unit.METRES
+    unit = chosen.unit if "unit" in chosen.options else None
     given = ReadOptions(size=(640, 480) if name == "matchid" else None, unit=unit)
-    files = _files(name, example_rig("brown4" if name == "kalibr" else "brown5"))
+    files = example.files
     for file, content in files.items():
         (folder / file).write_bytes(content)
     inputs = [folder] if chosen.home is Home.FOLDER else [folder / file for file in files]
-    meant = READERS[name](files)
+    meant = example.read(files)
     number = 0
     for file, content in files.items():
         for mutant in file_mutants(
@@ -82,8 +83,19 @@ def readings(name: str, folder: Path, seed: int, count: int) -> Iterator[Reading
             except Exception as error:  # noqa: BLE001 -- that is what is looked for
                 yield Reading(number, file, mutant, False, (f"{type(error).__name__}: {error}",))
                 continue
-            yield Reading(number, file, mutant, False, _faults(name, found, {**files, file: mutant}, meant))
+            yield Reading(
+                number, file, mutant, False, _faults(example, found, {**files, file: mutant}, meant)
+            )
         (folder / file).write_bytes(content)
+
+
+def example_of(name: str) -> Example:
+    """Return files of a format, or of a form of it, and their second reader."""
+    others = {**ROBOTS, **FORMS}
+    if name in others:
+        return others[name]
+    rig = example_rig("brown4" if name == "kalibr" else "brown5")
+    return Example(name.split(".", maxsplit=1)[0], _files(name, rig), READERS[name])
 
 
 def _files(name: str, rig: Rig) -> Files:
@@ -117,7 +129,7 @@ def _files(name: str, rig: Rig) -> Files:
     }  # fmt: skip
 
 
-def _faults(name: str, found: Rig, files: Files, meant: list[Stated]) -> tuple[str, ...]:
+def _faults(example: Example, found: Rig, files: Files, meant: list[Stated]) -> tuple[str, ...]:
     """Return what a rig has that neither the files state nor was written before they were mutated."""
     read = [
         stated_camera((one.K[0][0], one.K[1][1], one.K[0][2], one.K[1][2]), one.dist,
@@ -125,7 +137,7 @@ def _faults(name: str, found: Rig, files: Files, meant: list[Stated]) -> tuple[s
         for one in found.cameras.values()
     ]  # fmt: skip
     try:
-        stated = READERS[name](files)
+        stated = example.read(files)
     except Exception as error:  # noqa: BLE001 -- a small reader fails as it likes
         why, stated = f" (the other reader: {type(error).__name__} {error})", meant
     else:

@@ -15,6 +15,8 @@ from fuzz.faithful import readings
 from fuzz.faithful_documents import DOCUMENTS
 from fuzz.faithful_tables import TABLES, table_readings
 from fuzz.stated_cameras import READERS
+from fuzz.stated_forms import FORMS
+from fuzz.stated_robots import ROBOTS
 
 _SHOWN = 10
 
@@ -30,13 +32,14 @@ def main() -> int:
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
     every = {**TABLES, **DOCUMENTS}
+    cameras = [*READERS, *ROBOTS, *FORMS]
     faults = 0
-    for name in arguments.names or [*READERS, *every]:
+    for name in arguments.names or [*cameras, *every]:
         counts: Counter[str] = Counter()
         started = time.monotonic()
         with tempfile.TemporaryDirectory() as folder:
             how = Path(folder), arguments.seed, arguments.count
-            for one in readings(name, *how) if name in READERS else table_readings(every[name], *how):
+            for one in readings(name, *how) if name in cameras else table_readings(every[name], *how):
                 counts["refused" if one.refused else "read"] += 1
                 counts["faults"] += bool(one.faults)
                 if one.faults and counts["faults"] <= _SHOWN:

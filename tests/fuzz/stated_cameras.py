@@ -66,10 +66,10 @@ def stated_camera(
         coefficients.pop()
     sides = None if size is None else (int(float(size[0])), int(float(size[1])))
     fx, fy, cx, cy = (float(value) for value in numbers)
-    return Stated(fx, fy, cx, cy, tuple(coefficients), _sound(T), sides)
+    return Stated(fx, fy, cx, cy, tuple(coefficients), sound(T), sides)
 
 
-def _sound(T: np.ndarray) -> np.ndarray:
+def sound(T: np.ndarray) -> np.ndarray:
     """Return a pose with the rotation that is nearest to the one stated."""
     U, _, Vt = np.linalg.svd(T[:3, :3])
     clean = np.eye(4)
@@ -77,14 +77,16 @@ def _sound(T: np.ndarray) -> np.ndarray:
     return clean
 
 
-def _pose(R: Any, t: Any, scale: float = 1.0) -> np.ndarray:
+def posed(R: Any, t: Any, scale: float = 1.0) -> np.ndarray:
+    """Return a pose of a rotation and a translation times `scale`."""
     T = np.eye(4)
     T[:3, :3] = np.array(R, dtype=float).reshape(3, 3)
     T[:3, 3] = scale * np.array(t, dtype=float).ravel()
     return T
 
 
-def _of_K(K: Any) -> tuple[float, float, float, float]:
+def of_K(K: Any) -> tuple[float, float, float, float]:
+    """Return fx, fy, cx, cy."""
     K = np.array(K, dtype=float).reshape(3, 3)
     return K[0, 0], K[1, 1], K[0, 2], K[1, 2]
 
@@ -93,19 +95,20 @@ def _labcal(files: Files) -> list[Stated]:
     (data,) = files.values()
     cameras = json.loads(data.decode("utf-8-sig"))["cameras"].values()
     return [
-        stated_camera(_of_K(one["K"]), one["dist"], np.array(one["T_cam_world"], dtype=float), one["size"])
+        stated_camera(of_K(one["K"]), one["dist"], np.array(one["T_cam_world"], dtype=float), one["size"])
         for one in cameras
     ]
 
 
-def _yaml(data: bytes) -> Any:
+def yaml_words(data: bytes) -> Any:
+    """Return what a YAML text holds, in words."""
     text = data.decode("utf-8-sig", "replace")
     return yaml.load(re.sub(r"\A%YAML:[^\n]*\n", "", text), yaml.BaseLoader)  # noqa: S506 -- words only
 
 
 def _opencv(files: Files) -> list[Stated]:
     (data,) = files.values()
-    return _opencv_content(_yaml(data))
+    return _opencv_content(yaml_words(data))
 
 
 def _opencv_xml(files: Files) -> list[Stated]:
@@ -119,7 +122,7 @@ def _opencv_xml(files: Files) -> list[Stated]:
 
 def _opencv_json(files: Files) -> list[Stated]:
     (data,) = files.values()
-    return _opencv_content(_yaml(data.replace(b"\t", b" ")))
+    return _opencv_content(yaml_words(data.replace(b"\t", b" ")))
 
 
 def _opencv_npz(files: Files) -> list[Stated]:
@@ -140,10 +143,10 @@ def _opencv_content(content: Mapping[str, Any]) -> list[Stated]:
 
     size = (content["image_width"], content["image_height"])
     if "M1" not in content:
-        T = _pose(numbers("R"), numbers("T")) if {"R", "T"} <= set(content) else np.eye(4)
-        return [stated_camera(_of_K(numbers("camera_matrix")), numbers("distortion_coefficients"), T, size)]
-    second = _pose(numbers("R"), numbers("T"))
-    return [stated_camera(_of_K(numbers(f"M{side}")), numbers(f"D{side}"), T, size)
+        T = posed(numbers("R"), numbers("T")) if {"R", "T"} <= set(content) else np.eye(4)
+        return [stated_camera(of_K(numbers("camera_matrix")), numbers("distortion_coefficients"), T, size)]
+    second = posed(numbers("R"), numbers("T"))
+    return [stated_camera(of_K(numbers(f"M{side}")), numbers(f"D{side}"), T, size)
             for side, T in ((1, np.eye(4)), (2, second))]  # fmt: skip
 
 
@@ -152,7 +155,7 @@ def _mrcal(files: Files) -> list[Stated]:
     for data in files.values():
         content = ast.literal_eval(data.decode("utf-8-sig", "replace"))
         rt = np.array(content.get("extrinsics", content.get("rt_cam_ref")), dtype=float)
-        T = _pose(Rotation.from_rotvec(rt[:3]).as_matrix(), rt[3:], 1000.0)
+        T = posed(Rotation.from_rotvec(rt[:3]).as_matrix(), rt[3:], 1000.0)
         intrinsics = content["intrinsics"]
         found.append(stated_camera(intrinsics[:4], intrinsics[4:], T, content["imagersize"]))
     return found
@@ -160,34 +163,38 @@ def _mrcal(files: Files) -> list[Stated]:
 
 def _kalibr(files: Files) -> list[Stated]:
     (data,) = files.values()
-    content, found, T = _yaml(data), [], np.eye(4)
+    content, found, T = yaml_words(data), [], np.eye(4)
     for number in range(100):
         camera = content.get(f"cam{number}")
         if not isinstance(camera, dict):
             break
         if number > 0:
             step = np.array([[float(value) for value in row] for row in camera["T_cn_cnm1"]])
-            T = _sound(_pose(step[:3, :3], step[:3, 3], 1000.0)) @ T
+            T = sound(posed(step[:3, :3], step[:3, 3], 1000.0)) @ T
         dist = camera["distortion_coeffs"]
         found.append(stated_camera(camera["intrinsics"], dist, T, camera["resolution"]))
     return found
 
 
 def _ros(files: Files) -> list[Stated]:
-    cameras = [_yaml(data) for data in files.values()]
+    return stated_infos([yaml_words(data) for data in files.values()])
+
+
+def stated_infos(cameras: Sequence[Any]) -> list[Stated]:
+    """Return the cameras of one camera_info, or of those of a rectified pair."""
 
     def numbers(camera: Any, key: str) -> np.ndarray:
         return np.array([float(value) for value in camera[key]["data"]])
 
     poses = [np.eye(4)]
     if len(cameras) > 1:
-        turns = [_sound(_pose(numbers(one, "rectification_matrix"), np.zeros(3)))[:3, :3] for one in cameras]
+        turns = [sound(posed(numbers(one, "rectification_matrix"), np.zeros(3)))[:3, :3] for one in cameras]
         P = [numbers(one, "projection_matrix").reshape(3, 4) for one in cameras]
         centres = [-np.linalg.solve(one[:, :3], one[:, 3]) for one in P]  # in the rectified frame
         t = turns[1].T @ (centres[0] - centres[1])
-        poses.append(_pose(turns[1].T @ turns[0], t, 1000.0))
+        poses.append(posed(turns[1].T @ turns[0], t, 1000.0))
     return [
-        stated_camera(_of_K(numbers(one, "camera_matrix")), numbers(one, "distortion_coefficients").tolist(),
+        stated_camera(of_K(numbers(one, "camera_matrix")), numbers(one, "distortion_coefficients").tolist(),
                       T, (one["image_width"], one["image_height"]))
         for one, T in zip(cameras, poses, strict=True)
     ]  # fmt: skip
@@ -195,7 +202,7 @@ def _ros(files: Files) -> list[Stated]:
 
 def _seven(numbers: Sequence[Any], scale: float = 1.0) -> np.ndarray:
     w, x, y, z, *t = (float(value) for value in numbers)
-    return _pose(Rotation.from_quat([x, y, z, w]).as_matrix(), t, scale)
+    return posed(Rotation.from_quat([x, y, z, w]).as_matrix(), t, scale)
 
 
 def _colmap_camera(model: str, numbers: Sequence[float], T: np.ndarray, size: Sequence[Any]) -> Stated:
@@ -249,7 +256,7 @@ def _dice(files: Files) -> list[Stated]:
             break
         values = {one.get("name"): one.get("value", "") for one in camera.iter("Parameter")}
         rows = [re.findall(r"[^{},\s]+", values[f"ROW {row}"]) for row in range(3)]
-        T = _sound(_pose(rows, [values.get(key, 0.0) for key in ("TX", "TY", "TZ")]))
+        T = sound(posed(rows, [values.get(key, 0.0) for key in ("TX", "TY", "TZ")]))
         if found and relative is not None and relative.get("value", "").lower() == "true":
             T = T @ found[0].T_cam_world
         keys = ("K1", "K2", "P1", "P2", "K3", "K4", "K5", "K6", "S1", "S2", "S3", "S4", "T1", "T2")
@@ -274,7 +281,7 @@ def _anipose(files: Files) -> list[Stated]:
         R = Rotation.from_rotvec(turn).as_matrix() if turn.size == 3 else turn
         dist = camera["distortions"]
         found.append(
-            stated_camera(_of_K(camera["matrix"]), dist, _pose(R, camera["translation"]), camera["size"])
+            stated_camera(of_K(camera["matrix"]), dist, posed(R, camera["translation"]), camera["size"])
         )
     return found
 
@@ -282,11 +289,11 @@ def _anipose(files: Files) -> list[Stated]:
 def _matlab(files: Files) -> list[Stated]:
     (data,) = files.values()
     pair = next(one for name, one in loadmat(BytesIO(data), simplify_cells=True).items() if name[0] != "_")
-    second = _pose(np.array(pair["RotationOfCamera2"]).T, pair["TranslationOfCamera2"])
+    second = posed(np.array(pair["RotationOfCamera2"]).T, pair["TranslationOfCamera2"])
     found = []
     for number, T in ((1, np.eye(4)), (2, second)):
         one = pair[f"CameraParameters{number}"]
-        fx, fy, cx, cy = _of_K(np.array(one["IntrinsicMatrix"]).T)
+        fx, fy, cx, cy = of_K(np.array(one["IntrinsicMatrix"]).T)
         k1, k2, *k3 = one["RadialDistortion"]
         found.append(
             stated_camera((fx, fy, cx - 1.0, cy - 1.0), (k1, k2, *one["TangentialDistortion"], *k3), T,
@@ -304,7 +311,7 @@ def _matchid(files: Files) -> list[Stated]:
         if re.fullmatch(r"\s*[-+.0-9eE]+\s*", number):
             values.setdefault(name, float(number))
     R = Rotation.from_euler("xyz", [values[key] for key in ("theta", "phi", "psi")], degrees=True)
-    second = _pose(R.as_matrix(), [values[key] for key in ("tx", "ty", "tz")])
+    second = posed(R.as_matrix(), [values[key] for key in ("tx", "ty", "tz")])
     first = 0 if "cam0_fx" in values else 1
     found = []
     for number, T in ((first, np.eye(4)), (first + 1, second)):

@@ -1,12 +1,7 @@
-"""Drawn pictures of the print of a target of any kind, seen through a camera with its lens, in even light.
-
-The lens blurs before the sensor takes its samples: light that is sampled sharp, once a pixel, and blurred
-then has corners that are off by 0.008 px (blur 0.6 px, no noise), of which their covariances know nothing.
-"""
+"""Drawn pictures of the print of a target of any kind, seen through a camera with its lens, in even light."""
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from jaxtyping import Float32
 
@@ -16,6 +11,7 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images, of_places
 from labcal.geometry.poses import inverse, transform
 from labcal.guide.rehearsal.drawn_view import BACKGROUND, board_edge, cut_out, relative_light, taken_picture
+from labcal.render.point_spread import cells, gathered
 from labcal.render.sensor_response import Shot
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry
@@ -25,23 +21,6 @@ from labcal.targets.target import PrintableTarget
 _FINER = 8
 """Samples along a side of a pixel: with 4 the corners of tilted boards are off by up to 0.002 px, with 8 by
 0.0004 px."""
-
-
-def optical_image(light: np.ndarray, blur_px: float, finer: int) -> Float32[np.ndarray, "h w"]:
-    """Return the light that pixels gather of finer samples, after the point spread of the lens.
-
-    Parameters
-    ----------
-    light : ndarray, shape (finer h, finer w)
-    blur_px : float
-        Standard deviation of the point spread, px.
-    finer : int
-        Samples along a side of a pixel.
-    """
-    if blur_px > 0.0:
-        light = cv2.GaussianBlur(light, (0, 0), blur_px * finer, borderType=cv2.BORDER_REPLICATE)
-    height, width = (n // finer for n in light.shape)
-    return np.asarray(light.reshape(height, finer, width, finer).mean(axis=(1, 3)), dtype=np.float32)
 
 
 @dataclass(frozen=True)
@@ -93,14 +72,12 @@ class DrawnPrint:
         """
         edge = camera.project(transform(T_world_target, board_edge(self.target)))
         corner, end = cut_out(camera, edge.q[edge.ok])
-        falling = relative_light(camera, photometry, corner, end)
-        light = self._light(camera, T_world_target, corner, end)
-        light *= np.repeat(np.repeat(falling, _FINER, axis=0), _FINER, axis=1)
-        behind = optical_image(light, photometry.blur_px, _FINER)
+        light = cells(self._light(camera, T_world_target, corner, end), _FINER)
+        behind = gathered(light, photometry.blur_px) * relative_light(camera, photometry, corner, end)
         radii = 0.5 * self.target.outer_diameters_mm()
         images = of_places(dot_images(camera, T_world_target, self.target.points(), radii), radii)
         return ImagedPrint(
-            picture=taken_picture(behind, photometry.model_copy(update={"blur_px": 0.0}), shot),
+            picture=taken_picture(behind, photometry, shot),
             corner=corner,
             places=images.centroid,
             in_frame=np.asarray(images.ok & camera.in_picture(images.centroid)),

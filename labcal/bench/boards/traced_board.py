@@ -1,8 +1,8 @@
 """Traced pictures of boards: views that are drawn in :mod:`labcal.bench.boards`, rendered ray by ray.
 
 The laboratory stands as the drawn view has it: the print in the artwork of its kind on a plate, the camera,
-and a solid box where something hides a part of the board. Light falls off over the picture; then the lens
-blurs it, on a film finer than the pixels (:mod:`labcal.bench.boards.imaged_print`), and the sensor has noise.
+and a solid box where something hides a part of the board. The lens blurs it, light falls off over the
+picture, and the sensor has noise.
 """
 
 from dataclasses import dataclass
@@ -14,8 +14,7 @@ from labcal.bench.boards.april_grid_ink import PAPER_CELLS
 from labcal.bench.boards.board_view import FOCAL, BoardPicture
 from labcal.bench.boards.charuco_ink import PAPER_SQUARES
 from labcal.bench.boards.chessboard_picture import BORDER_SQUARES
-from labcal.bench.boards.imaged_print import optical_image
-from labcal.bench.held_board import board_scene, still_take
+from labcal.bench.held_board import blurred_scene, board_scene, still_take
 from labcal.bench.marks.drawn_picture import INK, PAPER, Cover, Exposure
 from labcal.geometry.poses import inverse
 from labcal.render.development import develop
@@ -36,11 +35,9 @@ from labcal.targets.charuco_opencv import opencv_dictionary
 from labcal.targets.chessboard import Chessboard
 
 SquareBoard = Chessboard | CharucoBoard | AprilGrid
-FINER = 3
-"""Samples of the film along a side of a pixel."""
-SPP = 32
-"""Rays a sample, 288 a pixel: with 72 their noise adds a tenth to the errors of AprilGrids, with 8 it is more
-than that of most sensors."""
+SPP = 256
+"""Rays a pixel: with 72 their noise adds a tenth to the errors of AprilGrids, with 8 it is more than that of
+most sensors."""
 UNIT_MM = 30.0
 """Of a square or tag, which is 1 in a drawn view."""
 EYE_MM = 3000.0
@@ -70,7 +67,7 @@ def traced_picture(picture: BoardPicture[SquareBoard], shot: Shot, spp: int = SP
     shot : Shot
         For which rays and noise are drawn.
     spp : int
-        Rays a sample.
+        Rays a pixel.
 
     Raises
     ------
@@ -78,10 +75,8 @@ def traced_picture(picture: BoardPicture[SquareBoard], shot: Shot, spp: int = SP
         There is no LLVM library for the renderer.
     """
     exposure = picture.exposure
-    light = traced_light(picture, shot, spp) * falling_light(exposure)
-    behind = optical_image(light, exposure.blur_px, FINER)
+    behind = traced_light(picture, shot, spp) * falling_light(exposure)
     sensor = Photometry(
-        blur_px=0.0,
         full_well_e=1.0 / exposure.noise**2,
         read_noise_e=0.0,
         tone_curve=ToneCurve.LINEAR,
@@ -91,7 +86,7 @@ def traced_picture(picture: BoardPicture[SquareBoard], shot: Shot, spp: int = SP
 
 
 def traced_light(picture: BoardPicture[SquareBoard], shot: Shot, spp: int) -> np.ndarray:
-    """Return the radiance at samples of the film in even light, float32, shape (FINER h, FINER w).
+    """Return the light that pixels gather behind the lens in even light, float32, shape (h, w).
 
     Parameters
     ----------
@@ -103,32 +98,30 @@ def traced_light(picture: BoardPicture[SquareBoard], shot: Shot, spp: int) -> np
     scene = board_scene(_printed(picture.board), view.camera, spp, view.boxes)
     paper = Board().light[0]
     board = Board(dark=(paper * INK / PAPER,) * 3)
-    scene = scene.model_copy(update={"board": board})
+    scene = blurred_scene(scene.model_copy(update={"board": board}), picture.exposure.blur_px)
     take: Take = still_take(scene, view.T_world_target)
     with renderer(MONO) as mi:
         return render_light(Laboratories(mi, scene, shot.seed), Case(take, shot.seed))
 
 
 def falling_light(exposure: Exposure) -> np.ndarray:
-    """Return the light at samples of the film, 1 where it is brightest, float32, (FINER h, FINER w)."""
-    columns, rows = ((np.arange(FINER * n) + 0.5) / FINER - 0.5 for n in exposure.size)
+    """Return the light of pixels, 1 where it is brightest, float32, shape (h, w)."""
+    columns, rows = (np.arange(float(n)) for n in exposure.size)
     q = np.stack(np.meshgrid(columns, rows), axis=-1)
     return exposure.light(q).astype(np.float32)
 
 
 def traced_view(picture: BoardPicture[SquareBoard]) -> TracedView:
-    """Return camera, pose and boxes that show what a drawn view shows, on the finer film.
+    """Return camera, pose and boxes that show what a drawn view shows.
 
     The middle of a drawn board is in the camera's principal point.
     """
     width, height = picture.exposure.size
     places = picture.board.points()[:, :2]
-    film = np.diag([FINER, FINER, 1.0])
-    film[:2, 2] = 0.5 * FINER - 0.5
-    principal = FINER * (picture.exposure.seen(places.mean(axis=0)[None])[0] + 0.5) - 0.5
-    focal = FINER * FOCAL * width
+    principal = picture.exposure.seen(places.mean(axis=0)[None])[0]
+    focal = FOCAL * width
     camera = CameraDescription(
-        size=(FINER * width, FINER * height),
+        size=(width, height),
         focal_px=focal,
         principal_px=(float(principal[0]), float(principal[1])),
         lens="pinhole",
@@ -136,7 +129,7 @@ def traced_view(picture: BoardPicture[SquareBoard]) -> TracedView:
         look_at_mm=(0.0, 0.0, 0.0),
     )
     K = np.array([[focal, 0.0, principal[0]], [0.0, focal, principal[1]], [0.0, 0.0, 1.0]])
-    columns = np.linalg.solve(K, film @ picture.exposure.H @ np.diag([1.0 / UNIT_MM, 1.0 / UNIT_MM, 1.0]))
+    columns = np.linalg.solve(K, picture.exposure.H @ np.diag([1.0 / UNIT_MM, 1.0 / UNIT_MM, 1.0]))
     columns /= np.linalg.norm(columns[:, 0])
     T_cam_target = np.eye(4)
     T_cam_target[:3] = np.column_stack(
@@ -151,8 +144,8 @@ def traced_view(picture: BoardPicture[SquareBoard]) -> TracedView:
 def _box(cover: Cover, depth: float, K: np.ndarray) -> Box:
     """Return a thin box whose front, at a distance from the camera, mm, looks as a cover does."""
     scale = depth / K[0, 0]
-    x, y = (scale * (FINER * (cover.middle + 0.5) - 0.5 - K[:2, 2])).tolist()
-    across, down = (2.0 * scale * FINER * cover.half).tolist()
+    x, y = (scale * (cover.middle - K[:2, 2])).tolist()
+    across, down = (2.0 * scale * cover.half).tolist()
     grey = min(cover.level / PAPER * Board().light[0], 1.0)
     return Box(
         kind="box",

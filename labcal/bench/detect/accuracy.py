@@ -17,7 +17,7 @@ RADII_PX = (6.0, 8.0, 10.0, 20.0, 40.0)
 TILTS_DEG, QUICK_TILTS_DEG = (5.0, 25.0, 45.0, 60.0), (10.0, 60.0)
 NOISES = (0.01, 0.03)
 """Standard deviation of every pixel, as a share of full scale."""
-SPP, QUICK_SPP = 32, 16
+SPP, QUICK_SPP = 512, 256
 DOTS = 400
 """About so many measurements for every radius, tilt and noise, by drawing noise again."""
 MOST_RATIO = 1.2

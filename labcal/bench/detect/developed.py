@@ -20,7 +20,7 @@ from labcal.scene.photometry import Photometry
 
 RADII_PX = (6.0, 10.0, 20.0)
 TILTS_DEG, QUICK_TILTS_DEG = (5.0, 25.0, 45.0, 60.0), (10.0, 60.0)
-SPP, QUICK_SPP = 32, 16
+SPP, QUICK_SPP = 512, 256
 DOTS = 200
 """About so many measurements for every radius, tilt and kind of picture, by taking the picture again."""
 MOST_SHIFT_PX = 16

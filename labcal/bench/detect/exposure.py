@@ -26,24 +26,20 @@ def blur_px(design: PictureDesign, minor_px: np.ndarray) -> float:
     return float(BLUR[0] + design.blur * (most - BLUR[0]))
 
 
-def exposed_picture(
-    light: np.ndarray, design: PictureDesign, seen: DotVisibility, blur: float, seed: int
-) -> np.ndarray:
+def exposed_picture(light: np.ndarray, design: PictureDesign, seen: DotVisibility, seed: int) -> np.ndarray:
     """Return the picture, uint8, in grey or in red, green and blue.
 
     Parameters
     ----------
     light : ndarray of float32, shape (height, width)
-        Rendered under even light.
+        Rendered under even light, and blurred.
     design : PictureDesign
     seen : DotVisibility
         The light falls off over where the dots are.
-    blur : float
-        Standard deviation, px.
     seed : int
     """
     lit = light * falling_light(design, seen.centroid[seen.in_frame], light.shape)
-    photometry = _photometry(design, blur)
+    photometry = _photometry(design)
     if design.bayer:
         lit = np.repeat(lit[..., None], 3, axis=-1)
     exposure = Exposure(WHITE / BARE_BOARD, (1.0, 1.0, 1.0))
@@ -56,11 +52,10 @@ def exposed_picture(
     return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED))
 
 
-def _photometry(design: PictureDesign, blur: float) -> Photometry:
+def _photometry(design: PictureDesign) -> Photometry:
     """Return a sensor with the noise of the design where the board is brightest."""
     return Photometry(
         bayer=design.bayer,
-        blur_px=blur,
         full_well_e=WHITE / design.noise**2,
         read_noise_e=READ_NOISE * WHITE / design.noise,
         tone_curve=ToneCurve.LINEAR if design.linear else ToneCurve.SRGB,

@@ -2,22 +2,20 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
-from labcal.arrays import PixelCovariances, Pixels, Pose
+from labcal.arrays import PixelCovariances, Pixels
 from labcal.bench.detect.bound import ImagedDot, centre_bound, outline_shapes
 from labcal.bench.detect.design import LENSES, SIZES, PictureDesign
 from labcal.bench.detect.dot_visibility import DotVisibility, dot_visibility
 from labcal.bench.detect.exposure import WHITE, falling_light
 from labcal.bench.detect.suite_scene import suite_scene
-from labcal.bench.held_board import BARE_BOARD, CAMERA, still_take
+from labcal.bench.held_board import BARE_BOARD, blurred_scene
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
 from labcal.render.variant import MONO, renderer
 from labcal.rng import generator
 from labcal.scene.board import Board
-from labcal.scene.model import Scene
 from labcal.scene.print import TruePrint
 from labcal.targets.grid import DotGrid, Polarity
 
@@ -26,8 +24,6 @@ GRADIENT = 2.0
 PITCH_OVER_RADIUS = 4.0
 MOST_DOTS = 60
 """Of a board; the others are not looked at."""
-FINER = 4
-"""The light is rendered at so many times the resolution."""
 WIDTH_OVER_RADIUS = 60.0
 """Of the picture, so that enough dots are in it."""
 REACH = 0.5 * (1.0 + 0.5 * PITCH_OVER_RADIUS)
@@ -61,8 +57,7 @@ def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoar
         Of a dot in the board's middle.
     tilt_deg : float
     spp : int
-        Rays a pixel of the finer picture; so many that their noise is small against that which is measured
-        under.
+        Rays a pixel; so many that their noise is small against that which is measured under.
     seed : int
         Lens, direction of the tilt and of the gradient are drawn from it.
     """
@@ -70,7 +65,9 @@ def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoar
     stage = suite_scene(design, seed)
     scene, made = stage.scene, TruePrint.of(stage.scene.target, stage.scene.board, seed)
     seen = dot_visibility(scene, stage.take, 4.0 * BLUR_PX)
-    light = _blurred(scene.with_spp(spp), stage.take.track.T_world_target, seed)
+    with renderer(MONO) as mi:
+        laboratories = Laboratories(mi, blurred_scene(scene.with_spp(spp), BLUR_PX), seed)
+        light = render_light(laboratories, Case(stage.take, seed)).astype(np.float64)
     number = np.flatnonzero(seen.measurable & ~seen.ring)
     number = np.sort(generator(seed, design.name, "dots").permutation(number)[:MOST_DOTS])
     shape = outline_shapes(stage.take.project(made.outlines).q[number])
@@ -86,25 +83,6 @@ def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoar
         shape=shape,
         unit_bound=np.array(bounds),
     )
-
-
-def _blurred(scene: Scene, T_world_target: Pose, seed: int) -> np.ndarray:
-    """Render the light at each pixel: first the blur, then the sampling.
-
-    Pixels that are blurred have a point spread of steps, which moves the dots' edges by some hundredths of a
-    pixel to and fro. So the picture is rendered finer, and its blurred pixels are averaged.
-    """
-    camera = scene.cameras[CAMERA]
-    width, height = camera.size
-    finer = camera.model_copy(
-        update={"size": (FINER * width, FINER * height), "focal_px": FINER * camera.focal_px}
-    )
-    fine = scene.model_copy(update={"cameras": {CAMERA: finer}})
-    with renderer(MONO) as mi:
-        light = render_light(Laboratories(mi, fine, seed), Case(still_take(fine, T_world_target), seed))
-    spread = cv2.GaussianBlur(light, (0, 0), FINER * BLUR_PX)
-    averaged: np.ndarray = spread.astype(np.float64).reshape(height, FINER, width, FINER).mean(axis=(1, 3))
-    return averaged
 
 
 def _design(radius: float, tilt: float, seed: int) -> PictureDesign:

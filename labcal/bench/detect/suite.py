@@ -14,6 +14,7 @@ from labcal.bench.detect.outcome import Outcome, outcome_table, suite_checks, su
 from labcal.bench.detect.suite_scene import SuiteScene, suite_scene
 from labcal.bench.detect.verdict import verdict_of
 from labcal.bench.groups import Bench, Findings
+from labcal.bench.held_board import blurred_scene
 from labcal.detect.detector import detect_dots
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
@@ -58,14 +59,15 @@ def suite_pictures(count: int, seed: int, names: frozenset[str] = frozenset()) -
             first = dot_visibility(stage.scene, stage.take, CLEAR_PX)
             blur = blur_px(design, first.minor_px[first.in_frame])
             seen = dot_visibility(stage.scene, stage.take, CLEAR_PX + 2.0 * blur)
-            picture = exposed_picture(_light(stage, seed), design, seen, blur, seed)
+            picture = exposed_picture(_light(stage, blur, seed), design, seen, seed)
             yield SuitePicture(design, stage.scene.grid, picture, blur, seen)
 
 
-def _light(stage: SuiteScene, seed: int) -> np.ndarray:
-    """Render a picture's light."""
+def _light(stage: SuiteScene, blur: float, seed: int) -> np.ndarray:
+    """Render a picture's light, blurred (px)."""
     with renderer(MONO) as mi:
-        return render_light(Laboratories(mi, stage.scene, seed), Case(stage.take, seed))
+        laboratories = Laboratories(mi, blurred_scene(stage.scene, blur), seed)
+        return render_light(laboratories, Case(stage.take, seed))
 
 
 def suite_findings(bench: Bench) -> Findings:

@@ -38,7 +38,8 @@ from labcal.cameras.interop.lens_parameters import (
     perspective_lens,
 )
 from labcal.cameras.interop.numbers_text import finite_numbers, known_size, number_text
-from labcal.cameras.interop.opencv_camera import COUNTS, given_fisheye
+from labcal.cameras.interop.opencv_camera import COUNTS
+from labcal.cameras.interop.opencv_lens import given_fisheye
 from labcal.cameras.interop.placement import rig_of, rounded_pose
 from labcal.cameras.lens import FISHEYE as FISHEYE_LENS
 from labcal.cameras.opencv_model import FISHEYE
@@ -51,6 +52,7 @@ from labcal.run.file_marks import TEXT_COMMENT
 _HOLDER = "aniposelib"
 _NESTED = "cameras"
 _OF_A_CAMERA = {"matrix", "distortions", "rotation", "translation"}
+_SIZE = "size"
 _HELD = 5
 Table = Mapping[str, object]
 
@@ -84,7 +86,9 @@ def read_anipose(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIV
             + (", but has these outside of any table. Copy it again." if cameras else ".")
         )
     names, records = [], []
-    notes: tuple[str, ...] = ()
+    left_out = [key for key, one in tables.items() if isinstance(one, dict) and key not in cameras
+                and _SIZE in one]  # fmt: skip
+    notes: tuple[str, ...] = tuple(f"[{key}] has no matrix: it is left out." for key in left_out)
     for key, camera in cameras.items():
         posed = "rotation" in camera and "translation" in camera
         if not posed and (len(cameras) > 1 or {"rotation", "translation"} & set(camera)):
@@ -128,7 +132,7 @@ def _list(values: Sequence[float]) -> str:
 def _stated_unit(content: Table, path: Path) -> Unit | None:
     """Return the unit in the metadata, where there is one."""
     metadata = content.get("metadata")
-    stated = metadata.get("unit") if isinstance(metadata, dict) else None
+    stated = metadata.get("unit", metadata.get("units")) if isinstance(metadata, dict) else None
     if stated is None:
         return None
     if stated not in [unit.value for unit in Unit]:

@@ -41,6 +41,8 @@ _MOST_CAMERAS = 9
 _FORMAT = ("xml_file_format", "DICe_xml_camera_system_file")
 _RELATIVE = "extrinsics_relative_camera_to_camera"
 _ROTATION = "rotation_3x3_matrix"
+_OF_USERS = "user_"
+"""Beginning of lists that turn the results of DICe, not its cameras."""
 _COEFFICIENTS = ("K1", "K2", "P1", "P2", "K3", "K4", "K5", "K6", "S1", "S2", "S3", "S4", "T1", "T2")
 """In OpenCV's order."""
 _SHIFT, _ANGLES = ("TX", "TY", "TZ"), ("ALPHA", "BETA", "GAMMA")
@@ -79,14 +81,7 @@ def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN)
             f"value {_FORMAT[1]}. Older files ('cal_file_ID') are converted by opening and saving them in "
             "DICe."
         )
-    lists = {child.get("name", ""): child for child in root if child.tag == _LIST}
-    if len(lists) < sum(child.tag == _LIST for child in root):
-        raise InputError(f"{path}: a camera occurs twice.")
-    cameras: list[ET.Element] = []
-    while f"CAMERA {len(cameras)}" in lists:
-        cameras.append(lists[f"CAMERA {len(cameras)}"])
-    if not cameras:
-        raise InputError(f"{path} holds no 'CAMERA 0'.")
+    cameras = _cameras(root, path)
     for camera in cameras:
         _require_known(camera, path)
     found = [_pose(camera, path) for camera in cameras]
@@ -98,6 +93,25 @@ def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN)
         raise InputError(f"{path} states another size of the pictures than `size`. Leave that out.")
     names = [_values(camera).get("CAMERA_ID") or str(camera.get("name")) for camera in cameras]
     return ReadRig(rig_of(names, records), tuple(note for _, mended in found for note in mended))
+
+
+def _cameras(root: ET.Element, path: Path) -> list[ET.Element]:
+    """Return the lists of the cameras, none of which is left out."""
+    lists = {child.get("name", ""): child for child in root if child.tag == _LIST}
+    if len(lists) < sum(child.tag == _LIST for child in root):
+        raise InputError(f"{path}: a camera occurs twice.")
+    cameras: list[ET.Element] = []
+    while f"CAMERA {len(cameras)}" in lists:
+        cameras.append(lists[f"CAMERA {len(cameras)}"])
+    if not cameras:
+        raise InputError(f"{path} holds no 'CAMERA 0'.")
+    strange = [name for name in lists if not name.startswith(_OF_USERS) and lists[name] not in cameras]
+    if strange:
+        raise InputError(
+            f"{path} has a list '{strange[0]:.40}' behind {len(cameras)} cameras. Cameras are called 'CAMERA "
+            "0', 'CAMERA 1' and so on, without a gap."
+        )
+    return cameras
 
 
 def write_dice(rig: Rig, _suffix: str) -> RigTexts:
@@ -205,8 +219,14 @@ def _camera(camera: ET.Element, T_cam_world: Pose, path: Path) -> CameraRecord:
             f"labcal's cameras do not have. Calibrate with {_OPENCV_LENS} and without skew."
         )
     numbers = [finite_number(values.get(key), key, path) for key in ("FX", "FY", "CX", "CY")]
-    used = _COEFFICIENTS if model == _OPENCV_LENS else ()
-    coefficients = [finite_number(values.get(key, "0"), key, path) for key in used]
+    coefficients = [finite_number(values.get(key, "0"), key, path) for key in _COEFFICIENTS]
+    if any(coefficients) and "LENS_DISTORTION_MODEL" not in values:
+        raise InputError(
+            f"{path}: {camera.get('name')} has coefficients of a lens, but no LENS_DISTORTION_MODEL. Add it: "
+            f"{_OPENCV_LENS}."
+        )
+    if model == _NO_LENS:
+        coefficients = []
     height, width = finite_numbers(_array(values.get("IMAGE_HEIGHT_WIDTH")), (2,), "IMAGE_HEIGHT_WIDTH", path)
     return camera_record(
         numbers, perspective_lens(coefficients), T_cam_world, picture_size([width, height], path), path

@@ -56,11 +56,13 @@ from labcal.run.file_marks import TEXT_COMMENT
 
 _HOLDER = "Kalibr"
 _RADTAN = 4
+_CAMERA = re.compile(r"cam\d{1,6}")
 _AGREES = 1e-3
 """Largest difference of two statements of a pose, relative to its largest number."""
 _LENSES = {
     "radtan": (perspective_lens, _RADTAN),
     "equidistant": (fisheye_lens, 4),
+    "equi": (fisheye_lens, 4),
     "none": (perspective_lens, 0),
 }
 _OWN = {
@@ -76,7 +78,8 @@ _WRITTEN = {lens: words for words, (lens, _, _) in reversed(_OWN.items())}
 
 def recognises(text: str) -> bool:
     """Tell whether a text is a camera chain."""
-    return "cam0:" in text and "distortion_model:" in text  # of a camera chain, also on an IMU
+    first = re.search(r"^[\"']?cam\d+[\"']?:", text, re.MULTILINE)
+    return first is not None and "distortion_model:" in text  # of a camera chain, also on an IMU
 
 
 def read_kalibr(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
@@ -96,7 +99,7 @@ def read_kalibr(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIV
         chain.append(content[f"cam{len(chain)}"])
     if not chain:
         raise InputError(f"{path} is no camera chain of Kalibr: it has no camera 'cam0'.")
-    _require_neighbours(chain, path)
+    _require_whole(content, chain, path)
     found = [_step(chain, number, path) for number in range(1, len(chain))]
     notes = tuple(note for _, mended in found for note in mended)
     poses = poses_along([step for step, _ in found])
@@ -159,6 +162,11 @@ def _step(chain: Sequence[dict[str, Any]], number: int, path: Path) -> tuple[Pos
     """Return ``T_cam_before``, mm, from the chain or, where it has none, from the places on an IMU."""
     before, camera = chain[number - 1], chain[number]
     if not (_on_imu(camera) and _on_imu(before)):
+        if "T_cn_cnm1" not in camera:
+            raise InputError(
+                f"{path} does not state where cam{number} is: it has no T_cn_cnm1, and not both "
+                f"cam{number - 1} and cam{number} have T_cam_imu or T_imu_cam."
+            )
         return _matrix(camera, "T_cn_cnm1", number, path)
     T_before_imu, note_before = _from_imu(before, number - 1, path)
     T_cam_imu, note = _from_imu(camera, number, path)
@@ -210,8 +218,14 @@ def _matrix(camera: dict[str, Any], key: str, number: int, path: Path) -> tuple[
     return rounded_pose(matrix[:3, :3], MM_IN_M * matrix[:3, 3], path)
 
 
-def _require_neighbours(chain: Sequence[dict[str, Any]], path: Path) -> None:
-    """Raise where a camera overlaps one that is not there: the file may have been cut off."""
+def _require_whole(content: dict[str, Any], chain: Sequence[dict[str, Any]], path: Path) -> None:
+    """Raise where a number is left out, or a camera overlaps one that is not there: it may be cut off."""
+    more = [key for key in content if _CAMERA.fullmatch(str(key)) and int(key[3:]) >= len(chain)]
+    if more:
+        raise InputError(
+            f"{path} has {more[0]}, but no camera 'cam{len(chain)}' before it, or it holds nothing. Number "
+            "the cameras from cam0 without a gap."
+        )
     for number, camera in enumerate(chain):
         overlaps = camera.get("cam_overlaps")
         for other in overlaps if isinstance(overlaps, list) else ():

@@ -197,6 +197,11 @@ def intrinsics_of(matrix: Sequence[float], source: Path) -> tuple[float, float, 
         It has skew, or is no camera matrix.
     """
     fx, skew, cx, zero, fy, cy, *last = matrix
+    if cx == skew == cy == zero == 0.0 and last[2] == 1.0 and any(last[:2]):
+        raise InputError(
+            f"{source}: the camera matrix is transposed, [fx 0 0; 0 fy 0; cx cy 1], as MATLAB and programs "
+            "after it write it. Their rotations are transposed, too: transpose all of them."
+        )
     if skew != 0.0:
         raise InputError(
             f"{source}: the camera matrix has a skew of {skew:g}, which labcal's cameras do not have. "

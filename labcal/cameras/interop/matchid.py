@@ -22,6 +22,7 @@ from labcal.cameras.interop.exchange import (
     RigFormat,
     RigTexts,
     SourceText,
+    Unit,
 )
 from labcal.cameras.interop.lens_parameters import camera_record, held_coefficients, perspective_lens
 from labcal.cameras.interop.numbers_text import finite_number, known_size, number_text
@@ -37,6 +38,8 @@ _COEFFICIENTS = ("Kappa 1", "Kappa 2", "P1", "P2", "Kappa 3")
 """In OpenCV's order."""
 _SHIFT, _TURN = ("Tx", "Ty", "Tz"), ("Theta", "Phi", "Psi")
 _LABEL = re.compile(r"^cam([012])_fx\b.*;", re.MULTILINE | re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d*([eE][-+]?\d+)?", re.ASCII)
+_IN_UNIT = re.compile(r"^\s*T[xyz]\s*\[([^\]]*)\]\s*;", re.MULTILINE | re.IGNORECASE)
 _ORIGIN = (
     "MatchID does not publish where its pixels count from: taken for the centre of the first one, as of "
     "OpenCV."
@@ -76,7 +79,7 @@ def read_matchid(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIV
         lens = perspective_lens([one[name] for name in _COEFFICIENTS])
         intrinsics = [one[name] for name in ("Fx", "Fy", "Cx", "Cy")]
         records.append(camera_record(intrinsics, lens, T, size, path))
-    return ReadRig(rig_of([f"cam{number}" for number in numbers], records), (_ORIGIN,))
+    return ReadRig(rig_of([f"cam{number}" for number in numbers], records), (_ORIGIN,), _stated_unit(source))
 
 
 def write_matchid(rig: Rig, _suffix: str) -> RigTexts:
@@ -131,7 +134,19 @@ def _values(source: SourceText) -> dict[str, str]:
             what = "occurs twice" if separator else "should be a label, ';' and a number"
             raise InputError(f"{source.path}: '{line.strip():.60}' {what}.")
         values[name] = value.strip()
+    # The separator is ';', so that commas are those of a computer with decimal commas, if no point is there.
+    if not any("." in number for number in values.values()):
+        commas = [name for name, number in values.items() if _DECIMAL_COMMA.fullmatch(number)]
+        values |= {name: values[name].replace(",", ".") for name in commas}
     return values
+
+
+def _stated_unit(source: SourceText) -> Unit | None:
+    """Return the unit that the labels of Tx, Ty and Tz state; None for mm, which all of them say."""
+    words = {found[1].strip().lower() for found in _IN_UNIT.finditer(source.text)}
+    if len(words) > 1 or not words <= {unit.value for unit in Unit}:
+        raise InputError(f"{source.path}: Tx, Ty and Tz should be in mm or in m, all three.")
+    return Unit.METRES if words == {Unit.METRES.value} else None
 
 
 def _number(values: Mapping[str, str], label: str, path: Path) -> float:

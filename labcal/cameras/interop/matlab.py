@@ -33,6 +33,7 @@ from labcal.cameras.interop.lens_parameters import (
     perspective_lens,
 )
 from labcal.cameras.interop.mat_file import HEADER, Unread, Value, mat_bytes, read_mat
+from labcal.cameras.interop.matlab_units import stated_unit
 from labcal.cameras.interop.numbers_text import finite_numbers, known_size
 from labcal.cameras.interop.placement import poses_from_first, rig_of, rounded_pose
 from labcal.cameras.record import CameraRecord
@@ -86,13 +87,16 @@ def read_matlab(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
         record = _camera(alone[0], np.eye(4), given, path)
         return ReadRig(rig_of([path.stem], [record]))
     T_second_first, notes = _pose(pairs[0], path)
+    unit, scale, scaled = stated_unit(pairs[0], path)
+    T_second_first[:3, 3] *= scale
+    notes += scaled
     records = []
     for name, T in zip(_CAMERAS, (np.eye(4), T_second_first), strict=True):
         camera = pairs[0].get(name)
         if not isinstance(camera, Mapping):
             raise InputError(f"{path}: {name} is no struct. {_RECIPE}.")
         records.append(_camera(camera, T, given, path))
-    return ReadRig(rig_of(["camera-1", "camera-2"], records), notes)
+    return ReadRig(rig_of(["camera-1", "camera-2"], records), notes, unit)
 
 
 def write_matlab(rig: Rig, _suffix: str) -> RigTexts:
@@ -158,21 +162,32 @@ def _poses(pair: Fields, path: Path) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         R = np.array(_numbers(pair, "RotationOfCamera2", (9,), path)).reshape(3, 3).T
         yield R, np.array(_numbers(pair, "TranslationOfCamera2", (3,), path))
     given = pair.get("PoseCamera2")
-    if isinstance(given, Mapping):
+    if isinstance(given, Mapping) and "A" in given and "R" not in given:
+        affine = np.array(_numbers(given, "A", (16,), path)).reshape(4, 4)
+        if not np.array_equal(affine[3], [0.0, 0.0, 0.0, 1.0]):
+            raise InputError(f"{path}: the last row of A in PoseCamera2 should be 0 0 0 1.")
+        yield affine[:3, :3], affine[:3, 3]
+    elif isinstance(given, Mapping):
         R = np.array(_numbers(given, "R", (9,), path)).reshape(3, 3)
         yield R, np.array(_numbers(given, "Translation", (3,), path))
 
 
 def _camera(fields: Fields, T_cam_world: Pose, given: ReadOptions, path: Path) -> CameraRecord:
     """Return the camera of one struct."""
-    matrices = []
+    matrices: list[tuple[float, ...]] = []
+    if {"FocalLength", "PrincipalPoint"} <= set(fields):
+        f, c = (_numbers(fields, name, (2,), path) for name in ("FocalLength", "PrincipalPoint"))
+        skew = _numbers(fields, "Skew", (1,), path)[0] if "Skew" in fields else 0.0
+        matrices.append((f[0], skew, c[0], 0.0, f[1], c[1], 0.0, 0.0, 1.0))
     if "K" in fields:
         matrices.append(_numbers(fields, "K", (9,), path))
     if "IntrinsicMatrix" in fields or not matrices:
         rows = np.array(_numbers(fields, "IntrinsicMatrix", (9,), path)).reshape(3, 3)
         matrices.append(tuple(rows.T.ravel().tolist()))
     if len(set(matrices)) != 1:
-        raise InputError(f"{path}: K and IntrinsicMatrix contradict each other.")
+        raise InputError(
+            f"{path}: K, IntrinsicMatrix and FocalLength with PrincipalPoint contradict each other."
+        )
     fx, fy, cx, cy = intrinsics_of(matrices[0], path)
     radial = _numbers(fields, "RadialDistortion", (2, 3), path)
     k1, k2, k3 = (*radial, 0.0)[:3]

@@ -2,8 +2,9 @@
 
 Intrinsics are fx fy cx cy and OpenCV's coefficients, pixels count from the centre of the top-left one.
 ``extrinsics`` is mrcal's rt_fromref: rotation vector and translation that map reference to camera
-coordinates; mrcal 3 calls it ``rt_cam_ref``. mrcal knows no units; its users, and its programs' ranges, are
-in metres, so translations are written and read in metres. Nothing in the file is executed.
+coordinates; mrcal 3 calls it ``rt_cam_ref``. Files of 2019 say ``DISTORTION_`` for ``LENSMODEL_``. mrcal
+knows no units; its users, and its programs' ranges, are in metres, so translations are written and read in
+metres. Nothing in the file is executed.
 """
 
 import ast
@@ -46,6 +47,8 @@ _COEFFICIENTS = {
     "LENSMODEL_OPENCV12": 12,
 }
 _LARGEST = "LENSMODEL_OPENCV12"
+_OLD, _NONE = "DISTORTION_", "DISTORTION_NONE"
+"""Names of lens models in mrcal's files of 2019, which call them distortion_model."""
 _POSE_KEYS = ("extrinsics", "rt_cam_ref")
 # What the model was computed from: megabytes in base 85, which has no quotes and no backslashes.
 _INPUTS = re.compile(r"'optimization_inputs'\s*:\s*b'[^'\\]*'\s*,?")
@@ -55,7 +58,9 @@ _NAME = re.compile(r"^# camera: ([A-Za-z0-9-]+)$", re.MULTILINE)
 
 def recognises(text: str) -> bool:
     """Tell whether a text is a camera model."""
-    return "LENSMODEL_" in text and "'lensmodel'" in text.replace('"', "'")
+    quoted = text.replace('"', "'") if "LENSMODEL_" in text or _OLD in text else ""
+    # PhotonVision says lensmodel, too.
+    return ("'lensmodel'" in quoted or "'distortion_model'" in quoted) and "'intrinsics'" in quoted
 
 
 def read_mrcal(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
@@ -120,6 +125,13 @@ def _keys(text: str) -> list[str]:
     return [str(key.value) for key in found if isinstance(key, ast.Constant)]
 
 
+def _present_name(old: object) -> object:
+    """Return the present name of a lens model of old files; anything else as it is."""
+    if not isinstance(old, str) or not old.startswith(_OLD):
+        return old
+    return "LENSMODEL_PINHOLE" if old == _NONE else f"LENSMODEL_{old.removeprefix(_OLD)}"
+
+
 def _camera(source: SourceText) -> CameraRecord:
     """Return the camera of one file."""
     path = source.path
@@ -137,7 +149,7 @@ def _camera(source: SourceText) -> CameraRecord:
     keys = _keys(text)
     if len(keys) != len(set(keys)):
         raise InputError(f"{path}: a key occurs twice, so that it is not known which holds.")
-    model = content.get("lensmodel")
+    model = content.get("lensmodel", _present_name(content.get("distortion_model")))
     if not isinstance(model, str) or model not in _COEFFICIENTS:
         raise InputError(
             f"{path}: the lens model {model!r:.60} has no counterpart here; {', '.join(_COEFFICIENTS)} have. "
@@ -145,7 +157,10 @@ def _camera(source: SourceText) -> CameraRecord:
         )
     wanted = (4 + _COEFFICIENTS[model],)
     numbers = finite_numbers(content.get("intrinsics"), wanted, "intrinsics", path)
-    given = next((content[key] for key in _POSE_KEYS if key in content), None)
+    stated = [content[key] for key in _POSE_KEYS if key in content]
+    if len(stated) > 1 and stated[0] != stated[1]:
+        raise InputError(f"{path}: {' and '.join(_POSE_KEYS)} contradict each other. Leave out one of them.")
+    given = next(iter(stated), None)
     rt = np.array(finite_numbers(given, (6,), "extrinsics", path))
     return camera_record(
         numbers[:4],

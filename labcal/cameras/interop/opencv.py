@@ -7,8 +7,9 @@ Millimetres. What follows from these (E, F, and R1 R2 P1 P2 Q of rectification) 
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -28,18 +29,18 @@ from labcal.cameras.interop.lens_parameters import (
     held_coefficients,
     opencv_model,
 )
+from labcal.cameras.interop.mrcal import recognises as is_of_mrcal
 from labcal.cameras.interop.numpy_archive import is_archive
-from labcal.cameras.interop.opencv_camera import (
-    COUNTS,
-    DIST,
-    MATRIX,
-    SIDES,
-    is_posed,
-    read_camera,
-    read_pose,
-    sides_of,
-)
+from labcal.cameras.interop.opencv_camera import COUNTS, read_camera, sides_of
 from labcal.cameras.interop.opencv_keys import ALONE, with_given_keys, with_other_half
+from labcal.cameras.interop.opencv_names import DIST, MATRIX, SIDES, named_so, side_keys
+from labcal.cameras.interop.opencv_pose import (
+    OF_A_CAMERA,
+    OF_A_PAIR,
+    is_posed,
+    read_pose,
+    require_no_half,
+)
 from labcal.cameras.interop.opencv_storage import Content, Storage, read_storage, storage_text
 from labcal.cameras.interop.placement import poses_from_first, rig_of
 from labcal.cameras.lens import LENGTH
@@ -53,32 +54,41 @@ _HOLDER = "OpenCV"
 _PAIR = 2
 
 
-def _any_of(keys: Sequence[str]) -> re.Pattern[str]:
-    """Return a pattern of a key of YAML or JSON: one of `keys`, of either camera; a letter alone is none."""
-    words = sorted((key for key in keys if len(key) > 1), key=len, reverse=True)
-    letters = "|".join(key for key in keys if len(key) == 1)
-    sides = "|".join(re.escape(side) for pair in SIDES for side in pair)
-    key = (
-        f"(?:(?:{sides})?(?:{'|'.join(words)})(?:{sides})?|(?:{sides})(?:{letters})|(?:{letters})(?:{sides}))"
-    )
-    return re.compile(rf"""(^[ \t]*|[{{,]\s{{0,200}}["']){key}["']?\s{{0,200}}:""", re.MULTILINE)
-
-
-_MATRICES, _DISTORTIONS = _any_of(MATRIX), _any_of(DIST)
-_OF_OTHERS = re.compile(
-    r"^[ \t]*(projection_matrix|cam0|projection_parameters|T_BS|Camera1?\.fx):|LENSMODEL_", re.MULTILINE
+_KEY = re.compile(
+    r"""(?:^[ \t]*(?:- )?|[{,]\s{0,200})["']?([A-Za-z_][A-Za-z0-9_.\- ]{0,60}?)["']?[ \t]{0,200}:""",
+    re.MULTILINE,
 )
-"""Keys of ROS, Kalibr and programs for robots, and words of mrcal."""
+_OF_OTHERS = re.compile(
+    r"^[ \t]*(projection_matrix|cam\d+|projection_parameters|T_BS|T_B_C|Camera1?\.fx):|\"cameraData\":",
+    re.MULTILINE,
+)
+"""Keys of ROS, Kalibr, programs for robots and DepthAI."""
+_OF_ROS = re.compile(r"^[Pp]:", re.MULTILINE)
+_SEEN = 2**17
 
 
 def recognises(text: str) -> bool:
     """Tell whether a text is a FileStorage, or has its usual keys in plain YAML, JSON or an npz."""
     if is_archive(text):
         return True
-    if _OF_OTHERS.search(text) is not None:
+    if _OF_OTHERS.search(text) is not None or is_of_mrcal(text):
         return False
-    storage = "<opencv_storage>" in text or "opencv-matrix" in text or "opencv-nd-matrix" in text
-    return storage or (_MATRICES.search(text) is not None and _DISTORTIONS.search(text) is not None)
+    if "<opencv_storage>" in text or "opencv-matrix" in text or "opencv-nd-matrix" in text:
+        return True
+    keys = set(_KEY.findall(text[:_SEEN]))
+    of_labcal = "cameras" in keys and bool({"T_cam_world", "lens"} & keys)
+    of_ros = "distortion_model" in keys and _OF_ROS.search(text) is not None
+    return _names_both(keys) and not (of_labcal or of_ros)
+
+
+def _names_both(keys: Collection[str]) -> bool:
+    """Tell whether there are keys of a camera matrix and of coefficients, of either camera of a pair."""
+    return all(named_so(_every_side(names), keys) for names in (MATRIX, DIST))
+
+
+@cache
+def _every_side(names: tuple[str, ...]) -> tuple[str, ...]:
+    return (*names, *(key for sides in SIDES for side in sides for key in side_keys(names, side)))
 
 
 def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
@@ -100,20 +110,59 @@ def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
         others = [storage for storage in stores if storage is not paired[0]]
         read = _read_pair(paired[0], others, given)
         return replace(read, notes=(*notes, *read.notes))
+    placed = None if alone else _read_placed(stores, given)
+    if placed is not None:
+        return placed
     names, records = [], []
     for storage in stores:
         # R and T of a pair place the second camera, not one that a user picks out of it.
-        posed = is_posed(storage) and (not alone or {"R", "T"} <= storage.mapped)
+        posed = is_posed(storage, OF_A_CAMERA) and (not alone or {"R", "T"} <= storage.mapped)
+        if storage.mapped & {"R", "T"} and not posed:
+            raise InputError(
+                f"`key` names R or T, but {storage.path} has not both, which place a camera together. Name "
+                "both."
+            )
+        if not alone:
+            require_no_half(storage)
+        T_cam_world, mended = read_pose(storage, OF_A_CAMERA) if posed else (np.eye(4), ())
+        names.append(_name(storage))
+        records.append(read_camera(storage, "", 0, T_cam_world, given))
+        notes += mended
         if len(stores) > 1 and not posed:
             raise InputError(
                 f"{storage.path} holds a camera without its pose (R and T), so several cameras cannot be "
-                "placed in one world. Convert each file alone, or a stereo file (M1 D1 M2 D2 R T)."
+                "placed in one world. Convert each file alone; or give two cameras and a file with R and T, "
+                "which map coordinates of the first camera to those of the second one; or a stereo file (M1 "
+                "D1 M2 D2 R T)."
             )
-        T_cam_world, mended = read_pose(storage) if posed else (np.eye(4), ())
-        names.append(storage.text("camera_name") or storage.path.stem)
-        records.append(read_camera(storage, "", T_cam_world, given))
-        notes += mended
     return ReadRig(rig_of(names, records), notes)
+
+
+def _name(storage: Storage) -> str:
+    """Return what a file calls its only camera, or the name of the file."""
+    return storage.text("camera_name") or storage.path.stem
+
+
+def _read_placed(stores: Sequence[Storage], given: ReadOptions) -> ReadRig | None:
+    """Return the pair of two files of one camera each and a third one with R and T; None of other files."""
+    cameras = [
+        storage
+        for storage in stores
+        if storage.first(MATRIX) is not None and not is_posed(storage, OF_A_PAIR)
+    ]
+    placing = [
+        storage for storage in stores if storage.first(MATRIX) is None and is_posed(storage, OF_A_PAIR)
+    ]
+    if len(stores) != _PAIR + 1 or (len(cameras), len(placing)) != (_PAIR, 1):
+        return None
+    T_second_first, notes = read_pose(placing[0], OF_A_PAIR)
+    records = [
+        read_camera(storage, "", 0, T, given)
+        for storage, T in zip(cameras, (np.eye(4), T_second_first), strict=True)
+    ]
+    first, second = (storage.path.name for storage in cameras)
+    note = f"R and T of {placing[0].path.name} are taken to map coordinates of {first} to those of {second}."
+    return ReadRig(rig_of([_name(storage) for storage in cameras], records), (note, *notes))
 
 
 def write_opencv(rig: Rig, suffix: str) -> RigTexts:
@@ -175,18 +224,19 @@ def _write_pair(rig: Rig, suffix: str) -> RigTexts:
 
 def _read_pair(storage: Storage, others: Sequence[Storage], given: ReadOptions) -> ReadRig:
     """Return the rig of a stereo file; R and T may be in another one, as OpenCV's stereo sample has it."""
-    placing = [one for one in (storage, *others) if is_posed(one)]
+    placing = [one for one in (storage, *others) if is_posed(one, OF_A_PAIR)]
     if len(placing) != 1 or len(others) > 1 or (others and placing != list(others)):
         raise InputError(
             f"{storage.path} holds two cameras, but {'several poses' if placing else 'no pose'} R, T of the "
             "second one. Give it together with the one file that has it: labcal convert "
             "intrinsics.yml extrinsics.yml rig.json. Or name its keys, `key='R=KEY,T=KEY'`: there are "
-            f"{', '.join(map(str, storage.content))[:300]}."
+            f"{storage.listed}."
         )
-    T_right_left, notes = read_pose(placing[0])
+    T_right_left, notes = read_pose(placing[0], OF_A_PAIR)
     sides = sides_of(storage) or SIDES[0]
     records = [
-        read_camera(storage, side, T, given) for side, T in zip(sides, (np.eye(4), T_right_left), strict=True)
+        read_camera(storage, side, number, T, given)
+        for number, (side, T) in enumerate(zip(sides, (np.eye(4), T_right_left), strict=True), start=1)
     ]
     names = [storage.text("camera_name1") or "left", storage.text("camera_name2") or "right"]
     return ReadRig(rig_of(names, records), notes)

@@ -5,7 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from labcal.cameras.interop.exchange import SourceText
-from labcal.cameras.interop.opencv_camera import MATRIX, SIDES, is_posed, side_keys, sides_of
+from labcal.cameras.interop.opencv_camera import sides_of
+from labcal.cameras.interop.opencv_names import DIST, MATRIX, SIDES, named_so, side_keys
+from labcal.cameras.interop.opencv_pose import OF_A_PAIR, ROTATION, is_posed
 from labcal.cameras.interop.opencv_storage import Storage, read_storage
 from labcal.errors import InputError
 from labcal.run.file_reading import read_bytes
@@ -17,8 +19,10 @@ USUAL = (
     "image_size",
 )  # fmt: skip
 """Keys that can be given another name."""
-_OF_A_PAIR = {"R", "R1", "R2", "E", "F", "H"}
-"""The 3x3 matrices of OpenCV's stereo sample that are none of a camera."""
+_TOGETHER = ((ALONE, "distortion_coefficients"), ("M1", "D1"), ("M2", "D2"))
+_OF_ONE, _OF_TWO = (ALONE, "distortion_coefficients"), ("M1", "D1", "M2", "D2")
+_OF_A_PAIR = {"R", "R1", "R2", "E", "F", "H", "essential_matrix", "fundamental_matrix"}
+"""The 3x3 matrices of OpenCV's stereo sample, and of others, that are none of a camera."""
 _ENDINGS = {".yml", ".yaml", ".xml"}
 _MOST_BYTES, _MOST_FILES = 2**18, 100
 
@@ -42,13 +46,36 @@ def with_given_keys(stores: Sequence[Storage], key: Mapping[str, str] | None) ->
                 f"`key='{usual}={theirs:.40}'`: there is no such key. {stores[0].path} has "
                 f"{', '.join(there)[:300] or 'none'}."
             )
+    alone = [usual for usual in key if usual in _OF_ONE]
+    paired = [usual for usual in key if usual in _OF_TWO]
+    if alone and paired:
+        raise InputError(
+            f"`key` names {alone[0]}, of one camera, and {paired[0]}, of a pair. Name the keys of one "
+            "camera, or those of a pair."
+        )
     return [_renamed(storage, key) for storage in stores]
 
 
 def _renamed(storage: Storage, key: Mapping[str, str]) -> Storage:
     """Return a file with further names for its keys."""
     more = {usual: storage.content[theirs] for usual, theirs in key.items() if theirs in storage.content}
+    for matrix, coefficients in _TOGETHER:
+        beside = _coefficients_beside(storage, key[matrix]) if matrix in more else None
+        if beside is not None and coefficients not in key:
+            more[coefficients] = storage.content[beside]
     return replace(storage, content={**storage.content, **more}, mapped=frozenset(more))
+
+
+def _coefficients_beside(storage: Storage, matrix: str) -> str | None:
+    """Return the key of the coefficients that end, or begin, as that of a camera matrix does: distCoeffsL."""
+    for sides in SIDES:
+        for side in sides:
+            found = (
+                storage.there(side_keys(DIST, side)) if named_so(side_keys(MATRIX, side), [matrix]) else []
+            )
+            if found:
+                return found[0]
+    return None
 
 
 def with_other_half(stores: Sequence[Storage]) -> tuple[list[Storage], tuple[str, ...]]:
@@ -65,11 +92,11 @@ def with_other_half(stores: Sequence[Storage]) -> tuple[list[Storage], tuple[str
     if len(stores) != 1:
         return list(stores), ()
     (given,) = stores
-    has_cameras, has_pose = sides_of(given) is not None, is_posed(given)
+    has_cameras, has_pose = sides_of(given) is not None, is_posed(given, OF_A_PAIR)
     if has_cameras == has_pose or (has_pose and _has_camera(given)) or _has_strange_matrix(given):
         return list(stores), ()
     found = [other for other in _beside(given.path) if (sides_of(other) is not None) == has_pose
-             and is_posed(other) == has_cameras and not _has_camera(other)
+             and is_posed(other, OF_A_PAIR) == has_cameras and not _has_camera(other)
              and not _has_strange_matrix(other)]  # fmt: skip
     if not found:
         return list(stores), ()
@@ -89,8 +116,9 @@ def _has_camera(storage: Storage) -> bool:
 
 def _has_strange_matrix(storage: Storage) -> bool:
     """Tell whether a file holds 3x3 matrices that are none of OpenCV's samples, so maybe those of cameras."""
-    cameras = {key for sides in SIDES for side in sides for key in side_keys(MATRIX, side)}
-    strange = [storage.numbers(key) for key in storage.content if key not in {*_OF_A_PAIR, *cameras}]
+    cameras = tuple(key for sides in SIDES for side in sides for key in side_keys(MATRIX, side))
+    known = {*_OF_A_PAIR, *named_so((*ROTATION, *cameras), storage.content)}
+    strange = [storage.numbers(key) for key in storage.content if key not in known]
     return any(len(one) == 9 for one in strange)  # noqa: PLR2004 -- 3x3
 
 

@@ -3,6 +3,8 @@
 It is read here and not by OpenCV, so that a damaged or hostile file meets checked code only.
 """
 
+import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,16 +13,24 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from labcal.cameras.interop.exchange import SourceText
+from labcal.cameras.interop.nested_keys import without_nesting
 from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text
 from labcal.cameras.interop.numpy_archive import archived_numbers, is_archive
+from labcal.cameras.interop.opencv_names import named_so
 from labcal.cameras.interop.xml_tree import read_xml_tree
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
 from labcal.errors import InputError
 
 Content = Mapping[str, int | str | np.ndarray]
 """Content of a file to write, by key."""
-_ROOT = "opencv_storage"
+_ROOT, _ITEM = "opencv_storage", "_"
+"""The outermost element, and that of an item of a list."""
 _SIDES = ("rows", "cols")
+_PYTHON = "!!python/"
+_BETWEEN = re.compile(r"^(?:---|\.\.\.)[ \t\r]*$", re.MULTILINE)
+_CONTENT = re.compile(r"^[^#%\s]", re.MULTILINE)
+_CHANNELS = re.compile(r"\W*(\d{1,3})[a-z]")
+"""Of the type of a matrix, "5d": numbers in each element."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +42,20 @@ class Storage:
     mapped: frozenset[str] = frozenset()
     """Keys that a user has given another name to; they go before the rest."""
 
+    @property
+    def listed(self) -> str:
+        """The keys, for messages."""
+        own = [str(key) for key in self.content if key not in self.mapped]
+        return ", ".join(own)[:300] or "none"
+
+    def there(self, keys: Sequence[str]) -> list[str]:
+        """Return the names under which some of these keys are there; those that a user maps go first."""
+        mapped = [key for key in keys if key in self.mapped]
+        return mapped or named_so(keys, [key for key in self.content if isinstance(key, str)])
+
     def first(self, keys: Sequence[str]) -> object:
         """Return what the first of these keys that is there holds; None where none is."""
-        chosen = [key for key in keys if key in self.mapped] or keys
-        return next((self.content[key] for key in chosen if key in self.content), None)
+        return next((self.content[key] for key in self.there(keys)), None)
 
     def text(self, key: str) -> str | None:
         """Return a word, or None."""
@@ -56,27 +76,25 @@ class Storage:
         InputError
             There is none under these keys, it is damaged, or has another number of elements than `counts`.
         """
-        value = self.first(keys)
-        if value is None:
+        there = self.there(keys)
+        if not there:
             raise InputError(f"{self.path} has no {keys[0]} (a matrix of OpenCV).")
-        # An array of one dimension is stored as a list where it is short, else with its "sizes".
-        self._require_one(keys)
-        data = value.get("data") if isinstance(value, dict) else value
-        numbers = finite_numbers(_in_one_list(data), counts, keys[0], self.path)
-        if isinstance(value, dict):
-            require_shape(value, len(numbers), keys[0], self.path)
-        return numbers
-
-    def _require_one(self, keys: Sequence[str]) -> None:
-        """Raise where several of these keys are there and hold different things."""
-        if set(keys) & self.mapped:
-            return
-        there = [key for key in keys if key in self.content]
-        if any(self.content[key] != self.content[there[0]] for key in there):
+        # Of several keys those count whose matrices can be meant: CameraMatrix may be a pose.
+        fitting = [key for key in there if len(self.numbers(key)) in counts] or there[:1]
+        value = self.content[fitting[0]]
+        if any(self.content[key] != value for key in fitting):
             raise InputError(
-                f"{self.path} has {' and '.join(there)}, which differ. Say which holds: "
-                f"`key='{keys[0]}={there[0]}'`."
+                f"{self.path} has {' and '.join(fitting)}, which differ. Say which holds: "
+                f"`key='{keys[0]}={fitting[0]}'`."
             )
+        # An array of one dimension is stored as a list where it is short, else with its "sizes".
+        data = value.get("data") if isinstance(value, dict) else value
+        if isinstance(data, (int, float, str)) and 1 in counts:
+            data = [data]
+        numbers = finite_numbers(_in_one_list(data), counts, fitting[0], self.path)
+        if isinstance(value, dict):
+            require_shape(value, len(numbers), fitting[0], self.path)
+        return numbers
 
 
 def _in_one_list(data: object) -> object:
@@ -87,7 +105,7 @@ def _in_one_list(data: object) -> object:
 
 
 def require_shape(matrix: Mapping[str, object], count: int, what: str, path: Path) -> None:
-    """Raise where rows and columns that a matrix states are not as many as its numbers.
+    """Raise where rows and columns that a matrix states, or its sizes, are not as many as its numbers.
 
     Raises
     ------
@@ -96,9 +114,14 @@ def require_shape(matrix: Mapping[str, object], count: int, what: str, path: Pat
     """
     stated = [matrix[key] for key in _SIDES if key in matrix]
     sides = [one[0] if isinstance(one, list) and len(one) == 1 else one for one in stated]
+    if len(sides) != len(_SIDES):
+        listed = matrix.get("sizes")
+        sides = listed if isinstance(listed, list) else []
     whole = [finite_number(side, "rows and cols", path) for side in sides]
-    if len(whole) == len(_SIDES) and whole[0] * whole[1] != count:
-        raise InputError(f"{path}: {what} states {sides[0]} x {sides[1]} numbers, but holds {count}.")
+    channels = _CHANNELS.match(str(matrix.get("dt")))
+    if whole and math.prod(whole) * (int(channels[1]) if channels else 1) != count:
+        shape = " x ".join(map(str, sides)) + (f" x {channels[1]}" if channels else "")
+        raise InputError(f"{path}: {what} states {shape} numbers, but holds {count}.")
 
 
 def read_storage(source: SourceText) -> Storage:
@@ -117,25 +140,30 @@ def read_storage(source: SourceText) -> Storage:
             raise InputError(
                 f"{source.path}: the outermost element should be {_ROOT}, but is {root.tag:.40}."
             )
-        tags = [child.tag for child in root]
-        twice = next((tag for tag in tags if tags.count(tag) > 1), None)
-        if twice is not None:
-            raise InputError(f"{source.path}: the key {twice:.40} occurs twice. Leave one of them.")
-        return Storage(source.path, {child.tag: _value(child) for child in root})
+        return Storage(source.path, without_nesting(_mapping(root, source.path)))
+    if _PYTHON in source.text:
+        raise InputError(
+            f"{source.path} holds objects of Python, as yaml.dump writes NumPy's arrays, which are not read. "
+            "Write lists of numbers: array.tolist()."
+        )
     is_json = source.text.lstrip().startswith("{")
     text = source.text.replace("\t", " ") if is_json else source.text  # YAML takes no tabs
-    return Storage(source.path, _with_nested(read_yaml_tree(text, source.path)))
+    return Storage(source.path, without_nesting(_documents(text, source.path)))
 
 
-def _with_nested(content: dict[str, object]) -> dict[str, object]:
-    """Return the content with the keys within a key, such as ``left``, as ``left_camera_matrix``, too."""
-    nested = {
-        f"{outer}_{inner}": value
-        for outer, inside in content.items()
-        if isinstance(inside, dict) and "data" not in inside
-        for inner, value in inside.items()
-    }
-    return {**nested, **content}
+def _documents(text: str, path: Path) -> dict[str, object]:
+    """Return the keys of all documents in a file: cv::FileStorage::APPEND adds one behind the others."""
+    parts = [part for part in _BETWEEN.split(text) if _CONTENT.search(part)] or [text]
+    content: dict[str, object] = {}
+    for part in parts:
+        document = read_yaml_tree(part, path)
+        twice = next((key for key in document if key in content), None)
+        if twice is not None:
+            raise InputError(
+                f"{path}: the key {twice!s:.40} occurs twice, in two documents. Leave one of them."
+            )
+        content |= document
+    return content
 
 
 def storage_text(content: Content, suffix: str) -> str:
@@ -147,8 +175,19 @@ def storage_text(content: Content, suffix: str) -> str:
     return f"%YAML:1.0\n---\n{entries}"
 
 
-def _value(element: Element) -> object:
-    """Return a matrix as a mapping, several words as a list, and one as a word."""
+def _mapping(element: Element, path: Path) -> dict[str, object]:
+    """Return what is within an element, by key."""
+    tags = [child.tag for child in element if child.tag != _ITEM]
+    twice = next((tag for tag in tags if tags.count(tag) > 1), None)
+    if twice is not None:
+        raise InputError(f"{path}: the key {twice:.40} occurs twice. Leave one of them.")
+    return {child.tag: _value(child, path) for child in element}
+
+
+def _value(element: Element, path: Path) -> object:
+    """Return a matrix as a mapping, keys within a key as one, several words as a list, and one as a word."""
+    if len(element) and element.find("data") is None and element.get("type_id") is None:
+        return _mapping(element, path)
     if len(element):
         return {child.tag: (child.text or "").split() for child in element}
     words = (element.text or "").split()

@@ -28,6 +28,9 @@ from labcal.geometry.poses import inverse, pose
 
 _FX = re.compile(r"^Camera1?\.fx:", re.MULTILINE)
 _POSES = ("Stereo.T_c1_c2", "Tlr")
+_VIRTUAL = (
+    "Camera.bf states how far apart rectified cameras are, or a depth camera's projector: one camera is read."
+)
 _INTRINSICS = ("fx", "fy", "cx", "cy")
 _TYPES = ("PinHole", "KannalaBrandt8", "Rectified")
 _RECTIFIED = {
@@ -73,8 +76,12 @@ def read_orb_slam(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GI
         (apart,) = numbers_by_name(("Stereo.b",), content, path)
         T = pose(np.eye(3), np.array([-MM_IN_M * apart, 0.0, 0.0]))
         return _pair(first, _record(content, prefix, T, given, path))
+    of_a_pair = [str(key) for key in content if str(key).startswith("Camera2.") or key in _POSES]
+    if not of_a_pair and kind != "Rectified":
+        return ReadRig(rig_of([path.stem], [first]), (_VIRTUAL,) if "Camera.bf" in content else ())
     if "Camera2.fx" not in content:
-        return ReadRig(rig_of([path.stem], [first]))
+        lost = "Camera2.fx" if of_a_pair else "Stereo.b"
+        raise InputError(f"{path} is of a pair ({(of_a_pair or [kind])[0]:.40}), but has no {lost}.")
     T_second_first, notes = _pose(content, path)
     return _pair(first, _record(content, "Camera2.", T_second_first, given, path), notes)
 

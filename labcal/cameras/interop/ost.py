@@ -46,7 +46,10 @@ def read_ost(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN)
     """
     contents, names, paths = [], [], []
     for source in sources:
-        for text in _BEGIN.split(source.text)[1:]:
+        before, *texts = _BEGIN.split(source.text)
+        if not texts or re.search(r"^[^#\s]", before, re.MULTILINE):
+            raise InputError(f"{source.path} is no ost.txt: it should begin with '# oST version'.")
+        for text in texts:
             name, content = _content(text, source.path)
             contents.append(content)
             names.append(name)

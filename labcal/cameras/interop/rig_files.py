@@ -16,10 +16,10 @@ from labcal.cameras.interop.exchange import (
     RigTexts,
     Unit,
 )
-from labcal.cameras.interop.foreign_files import foreign_words
 from labcal.cameras.interop.given_files import given_files, one_format
 from labcal.cameras.interop.registry import READ, format_to_read, recognised_format
 from labcal.cameras.interop.source_file import read_source
+from labcal.cameras.interop.strange_files import words_on_strange
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_file import checked_rig
@@ -71,20 +71,14 @@ def read_rig_files(
     together = sum(path.stat().st_size for path in files if path.is_file())
     _require_size(files[0], together, _MOST_TOGETHER)
     sources = [read_source(path, _MOST_BYTES if wanted is None else wanted.most_bytes) for path in files]
-    found = [(source, wanted or recognised_format(source)) for source in sources]
     in_folder = any(path.is_dir() for path in given_paths)
+    keyed = None if given.key is None or in_folder else READ["opencv"]  # whose files have keys to name
+    found = [(source, wanted or recognised_format(source) or keyed) for source in sources]
     by_path = {source.path: source for source in sources}
     known = [(source, one) for source, one in found if one is not None]
     strange = [source.path for source, one in found if one is None]
     if strange and not (in_folder and known):
-        seems = foreign_words(by_path[strange[0]].text)
-        if seems is not None:
-            raise InputError(f"{strange[0]} is of no format that is read here. {seems}")
-        what = "" if by_path[strange[0]].is_text else "is no text file, and "
-        raise InputError(
-            f"{strange[0]} {what}is of no format that is read here ({', '.join(READ)}). If it should be, "
-            "name it: `from_format='FORMAT'`."
-        )
+        raise InputError(words_on_strange(by_path[strange[0]]))
     kinds = {one.name: one for _, one in known}
     chosen, of_both = one_format(list(kinds.values()), sources)
     if chosen.home is not Home.FOLDER:

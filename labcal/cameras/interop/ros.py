@@ -6,7 +6,6 @@
 undistort --rectify`` does it.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -40,7 +39,7 @@ from labcal.cameras.interop.lens_parameters import (
 from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
 from labcal.cameras.interop.opencv_storage import require_shape
 from labcal.cameras.interop.placement import MM_IN_M, poses_from_first, rig_of, rounded_pose
-from labcal.cameras.interop.yaml_tree import read_yaml_tree
+from labcal.cameras.interop.ros_documents import contents_of, is_message, is_of_part, note_on_part
 from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
@@ -51,15 +50,6 @@ from labcal.run.file_marks import TEXT_COMMENT
 _HOLDER = "ROS"
 _PAIR = 2
 _PLUMB_BOB, _RATIONAL = 5, 8
-_BINNING, _ROI = ("binning_x", "binning_y"), "roi"
-_MESSAGE_KEYS = {
-    "camera_matrix": "k",
-    "distortion_coefficients": "d",
-    "rectification_matrix": "r",
-    "projection_matrix": "p",
-}
-"""The keys of a message (sensor_msgs/CameraInfo) by those of a file."""
-_LAST_OF_A_MESSAGE = "do_rectify:"
 _COUNTS = (0, 4, _PLUMB_BOB, _RATIONAL, 12, 14)
 """OpenCV undistorts with whatever stands in the file, whichever of both names is beside it."""
 _NO_MODEL = ("", "none", None)
@@ -72,25 +62,22 @@ _LENSES = {
 
 
 def recognises(text: str) -> bool:
-    """Tell whether a text is a camera_info."""
-    return "distortion_model:" in text and ("projection_matrix:" in text or _is_message(text))
-
-
-def _is_message(text: str) -> bool:
-    """Tell whether a text is a message as ``ros2 topic echo`` prints it."""
-    return all(re.search(rf"^{key}:", text, re.MULTILINE | re.IGNORECASE) for key in "dkrp")
+    """Tell whether a text is a camera_info; old ones do not state their model."""
+    if "projection_matrix:" in text:
+        return "distortion_model:" in text or ("camera_matrix:" in text and "image_width:" in text)
+    return "distortion_model:" in text and is_message(text)
 
 
 def read_ros(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
-    """Read one camera, or a rectified pair; the first camera is the world.
+    """Read one camera, or a rectified pair from one file or two; the first camera is the world.
 
     Raises
     ------
     InputError
         A file is damaged, there are more than two, or nothing determines where the second camera is.
     """
-    contents = [_content(source) for source in sources]
-    paths = [source.path for source in sources]
+    found = [(content, source.path) for source in sources for content in contents_of(source)]
+    contents, paths = [content for content, _ in found], [path for _, path in found]
     names = [str(content.get("camera_name") or "") for content in contents]
     return rig_of_infos(contents, names, paths)
 
@@ -122,8 +109,8 @@ def rig_of_infos(
         T_second_first, notes = _pair_pose(contents, paths)
         poses.append(T_second_first)
     cameras = [_camera(content, T, path) for content, T, path in zip(contents, poses, paths, strict=True)]
-    notes += tuple(_note_on_part(content, path) for content, path in zip(contents, paths, strict=True)
-                   if _is_of_part(content))  # fmt: skip
+    notes += tuple(note_on_part(content, path) for content, path in zip(contents, paths, strict=True)
+                   if is_of_part(content))  # fmt: skip
     return ReadRig(
         rig_of([name or path.stem for name, path in zip(names, paths, strict=True)], cameras), notes
     )
@@ -188,58 +175,6 @@ def _matrix(values: np.ndarray) -> str:
     return f"  rows: {values.shape[0]}\n  cols: {values.shape[1]}\n  data: [{data}]\n"
 
 
-def _content(source: SourceText) -> dict[str, Any]:
-    """Return what a file holds, with the keys of camera_info files; of several alike, the first one."""
-    texts = re.split(r"^---[ \t\r]*$", source.text, flags=re.MULTILINE)
-    documents = [text for text in texts if re.search(r"^[^#%\s]", text, re.MULTILINE)] or [source.text]
-    # The last message that `ros2 topic echo` prints may be cut off.
-    whole = [text for text in documents if _is_message(text)] or documents
-    if len(whole) > 1 and _LAST_OF_A_MESSAGE in whole[0] and _LAST_OF_A_MESSAGE not in whole[-1]:
-        whole = whole[:-1]
-    contents = [_document(text, source.path) for text in whole]
-    if any(content != contents[0] for content in contents):
-        raise InputError(
-            f"{source.path} holds {len(contents)} documents that state different cameras. Put each into a "
-            "file of its own."
-        )
-    return contents[0]
-
-
-def _document(text: str, path: Path) -> dict[str, Any]:
-    """Return what one document holds."""
-    if not _is_message(text):
-        return read_yaml_tree(text, path)
-    content = {str(key).lower(): value for key, value in read_yaml_tree(text, path).items()}
-    header = content.get("header")
-    name = header.get("frame_id") if isinstance(header, dict) else None
-    matrices = {file_key: {"data": content.get(key)} for file_key, key in _MESSAGE_KEYS.items()}
-    return matrices | {
-        "camera_name": name,
-        "image_width": content.get("width"),
-        "image_height": content.get("height"),
-        "distortion_model": content.get("distortion_model"),
-        **{key: content.get(key) for key in (*_BINNING, _ROI)},
-    }
-
-
-def _is_of_part(content: Mapping[str, Any]) -> bool:
-    """Tell whether the pictures of a camera are smaller than those that its matrix holds for."""
-    roi = content.get(_ROI)
-    sides = [roi.get(key) for key in ("width", "height")] if isinstance(roi, dict) else []
-    whole = [content.get("image_width"), content.get("image_height")]
-    parts = [
-        side for side, all_of_it in zip(sides, whole, strict=False) if str(side) not in {"0", str(all_of_it)}
-    ]
-    return bool(parts) or any(str(content.get(key) or 0) not in {"0", "1"} for key in _BINNING)
-
-
-def _note_on_part(content: Mapping[str, Any], path: Path) -> str:
-    return (
-        f"{path} states binning or a region of interest: its camera is read as of whole pictures of "
-        f"{content.get('image_width')} x {content.get('image_height')} px, which its matrix holds for."
-    )
-
-
 def _data(content: Mapping[str, Any], key: str, counts: Sequence[int], path: Path) -> tuple[float, ...]:
     """Return the numbers of a matrix."""
     matrix = content.get(key)
@@ -253,8 +188,12 @@ def _data(content: Mapping[str, Any], key: str, counts: Sequence[int], path: Pat
 def _camera(content: Mapping[str, Any], T_cam_world: Pose, path: Path) -> CameraRecord:
     """Return the camera of one file."""
     model = content.get("distortion_model")
-    if model in _NO_MODEL and not any(_data(content, "distortion_coefficients", _COUNTS, path)):
-        model = "plumb_bob"  # a rectified or simulated camera
+    if model in _NO_MODEL:
+        stated = _data(content, "distortion_coefficients", _COUNTS, path)
+        if not any(stated) or ("distortion_model" not in content and len(stated) != FISHEYE_COEFFICIENTS):
+            model = (
+                "plumb_bob"  # of a rectified or simulated camera, or of a file from before ROS Diamondback
+            )
     if model not in _LENSES:
         raise InputError(
             f"{path}: the distortion model {model!r:.40} has no counterpart here; {', '.join(_LENSES)} have."
@@ -280,10 +219,11 @@ def _pair_pose(contents: Sequence[Mapping[str, Any]], paths: Sequence[Path]) -> 
         shifts.append(MM_IN_M * np.linalg.solve(P[:, :3], P[:, 3]))
     step = shifts[1] - shifts[0]
     if not np.any(step):
+        same = paths[0] == paths[1]
         raise InputError(
-            f"{paths[0]} and {paths[1]} do not state how far apart their cameras are: both projection "
-            "matrices have the same fourth column, as those of cameras that were calibrated alone. "
-            "Convert each file alone."
+            f"{paths[0]} {'does' if same else f'and {paths[1]} do'} not state how far apart the cameras are: "
+            "both projection matrices have the same fourth column, as those of cameras that were calibrated "
+            f"alone. Convert each {'document, in a file of its own' if same else 'file'}, alone."
         )
     first, note_first = rounded_pose(turns[0], np.zeros(3), paths[0])
     second, note_second = rounded_pose(turns[1], np.zeros(3), paths[1])

@@ -11,6 +11,7 @@ from labcal.errors import InputError
 from labcal.run.file_reading import read_bytes
 
 _GZIP = b"\x1f\x8b"
+_TAR, _TAR_AT = b"ustar", 257
 _STRANGE_SPACE = re.compile(r"[^\S \t\r\n\f\v]")
 """Spaces of other kinds, which YAML and Python pass over: a damaged minus sign of a number may be one."""
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
@@ -33,6 +34,11 @@ def read_source(path: Path, most: int) -> SourceText:
     data = read_bytes(path, "file", most)
     if data.startswith(_GZIP):
         data = _unpacked(data, path, most)
+    if data[_TAR_AT : _TAR_AT + len(_TAR)] == _TAR:
+        raise InputError(
+            f"{path} is an archive (tar), as calibrationdata.tar.gz of ROS is. Unpack it, and convert "
+            "ost.yaml, or left.yaml and right.yaml, in it."
+        )
     if data.startswith(_UTF_16):
         try:
             data = data.decode("utf-16").encode()

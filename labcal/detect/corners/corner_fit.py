@@ -8,7 +8,7 @@ import numpy as np
 from labcal.detect.corners.corner_judgement import CornerFit, JudgementLimits, judged
 from labcal.detect.corners.corner_kernel import CHESSBOARD, LIGHT_KNOWN, PARAMETERS, FitLimits, settled
 from labcal.detect.corners.corner_model import CornerPixels
-from labcal.detect.corners.corner_pixels import pack, unpacked
+from labcal.detect.corners.corner_pixels import PackedCorner, pack
 from labcal.detect.corners.corner_rounds import (
     Round,
     WiderLimits,
@@ -32,7 +32,7 @@ class SettledCorner:
     ----------
     state : ndarray, shape (PARAMETERS,)
         The parameters; the corner's place is relative to `start`.
-    window : CornerPixels
+    pixels : CornerPixels or PackedCorner
     start : ndarray, shape (2,)
         Where the fit began, px.
     roughness : float
@@ -42,10 +42,15 @@ class SettledCorner:
     """
 
     state: np.ndarray
-    window: CornerPixels
+    pixels: CornerPixels | PackedCorner
     start: np.ndarray
     roughness: float
     free: int = PARAMETERS
+
+    @property
+    def window(self) -> CornerPixels:
+        """The pixels of the fit."""
+        return self.pixels if isinstance(self.pixels, CornerPixels) else self.pixels.unpacked()
 
     @property
     def centre(self) -> np.ndarray:
@@ -156,14 +161,26 @@ def _settled_corners(
 ) -> list[SettledCorner | None]:
     """Return the fits of a round, to pixels of the corners by these numbers; None for those that are none."""
     roughness = (fits.rms / (2.0 * np.where(fits.ok, fits.states[:, 7], 1.0))).tolist()
-    found: list[SettledCorner | None] = []
-    for k, (fine, window) in enumerate(zip(fits.ok.tolist(), unpacked(fits.pixels, which), strict=True)):
-        if fine:
-            pixel = CornerPixels(*window, CHESSBOARD, places.bend[k])
-            found.append(SettledCorner(fits.states[k], pixel, places.centre[k], roughness[k], free))
-        else:
-            found.append(None)
-    return found
+    rows = zip(which, fits.ok.tolist(), fits.states, roughness, places.centre, places.bend, strict=True)
+    return [
+        SettledCorner(state, PackedCorner(fits.pixels, number, bend), start, rough, free) if fine else None
+        for number, fine, state, rough, start, bend in rows
+    ]
+
+
+def centres_of(fits: Sequence[SettledCorner]) -> np.ndarray:
+    """Return the centres of fits, px, shape (n, 2)."""
+    if not fits:
+        return np.zeros((0, 2))
+    moved = np.array([fit.state for fit in fits])[:, :2]
+    return np.asarray(np.array([fit.start for fit in fits]) + moved)
+
+
+def places_of(fits: Sequence[SettledCorner | None], otherwise: np.ndarray) -> np.ndarray:
+    """Return the centres of fits, px, shape (n, 2); where there is none, the place in `otherwise` (n, 2)."""
+    places, some = otherwise.copy(), [k for k, fit in enumerate(fits) if fit is not None]
+    places[some] = centres_of([fit for fit in fits if fit is not None])
+    return places
 
 
 def is_cut(place: np.ndarray, grey: GreyPicture, margin: float) -> bool:
@@ -198,21 +215,33 @@ def judge(fit: SettledCorner, settings: CornerSettings) -> CornerFit | None:
 
 def judge_all(fits: Sequence[SettledCorner | None], settings: CornerSettings) -> list[CornerFit | None]:
     """Return fits with their uncertainties, as :func:`judge` does each; None for none."""
-    some = [fit for fit in fits if fit is not None]
-    if not some:
-        return [None] * len(fits)
-    windows = [fit.window for fit in some]
-    states, free = np.array([fit.state for fit in some]), np.array([fit.free for fit in some])
-    patterns, bends = np.array([one.pattern for one in windows]), np.array([one.bend for one in windows])
-    limits = settings.limits(JudgementLimits)
-    ok, *parts = judgements(pack(windows), patterns, bends, (states, free), limits)
-    centres = np.array([fit.start for fit in some]) + states[:, :2]
-    judged_ = iter(zip(some, ok.tolist(), centres, *parts[:-1], parts[-1].tolist(), strict=True))
-    found: list[CornerFit | None] = []
-    for fit in fits:
-        if fit is None:
-            found.append(None)
-            continue
-        one, fine, centre, covariance, sums, powers, reach = next(judged_)
-        found.append(CornerFit(centre, covariance, one.roughness, sums, powers, reach) if fine else None)
+    found: list[CornerFit | None] = [None] * len(fits)
+    sources: dict[int, list[int]] = {}
+    for number, fit in enumerate(fits):
+        if fit is not None:
+            source = id(fit.pixels.all_) if isinstance(fit.pixels, PackedCorner) else 0
+            sources.setdefault(source, []).append(number)
+    for numbers in sources.values():
+        some = [fit for fit in (fits[number] for number in numbers) if fit is not None]
+        for number, one in zip(numbers, _judged_together(some, settings), strict=True):
+            found[number] = one
     return found
+
+
+def _judged_together(fits: list[SettledCorner], settings: CornerSettings) -> list[CornerFit | None]:
+    """Return fits to pixels of one source with their uncertainties."""
+    pixels = [fit.pixels for fit in fits]
+    packed = [one for one in pixels if isinstance(one, PackedCorner)]
+    if packed:
+        all_, which = packed[0].all_, np.array([one.number for one in packed])
+    else:
+        all_, which = pack([fit.window for fit in fits]), np.arange(len(fits))
+    states, free = np.array([fit.state for fit in fits]), np.array([fit.free for fit in fits])
+    patterns, bends = np.array([one.pattern for one in pixels]), np.array([one.bend for one in pixels])
+    limits = settings.limits(JudgementLimits)
+    ok, *parts = judgements((all_, which), patterns, bends, (states, free), limits)
+    rows = zip(fits, ok.tolist(), centres_of(fits), *parts[:-1], parts[-1].tolist(), strict=True)
+    return [
+        CornerFit(centre, covariance, fit.roughness, sums, powers, reach) if fine else None
+        for fit, fine, centre, covariance, sums, powers, reach in rows
+    ]

@@ -1,6 +1,5 @@
 """Uncertainty of the fit of a corner, from its residuals; in compiled code."""
 
-from dataclasses import dataclass
 from math import floor, sqrt
 from typing import NamedTuple
 
@@ -11,12 +10,13 @@ from labcal.detect.compiled import compiled
 from labcal.detect.corners.corner_kernel import PARAMETERS, Pixels, fill_jacobian
 from labcal.detect.corners.edge_waves import RESIDUAL, ROWS, wave_powers
 from labcal.detect.edges.residuals import LAGS, REACH, SUMS
-from labcal.detect.row_products import add_own_products, add_products, filled_up
+from labcal.detect.lane_sums import greatest, total, total_of_products
+from labcal.detect.row_products import HIGH, add_own_products, add_products, filled_up
 
 _SINGULAR = 1e-13
 """A pivot that falls to so much of its diagonal entry."""
 _TOGETHER = 3
-"""Lags; their number is a multiple of it."""
+"""Lags; the number of those to the right and down is a multiple of it."""
 
 
 class JudgementLimits(NamedTuple):
@@ -27,8 +27,7 @@ class JudgementLimits(NamedTuple):
     flat_blurs: float
 
 
-@dataclass(frozen=True)
-class CornerFit:
+class CornerFit(NamedTuple):
     """The fit of one corner, with its uncertainty.
 
     Attributes
@@ -75,7 +74,10 @@ def judged(
     n = len(pixels[1])
     table, board, off_edges = np.zeros((ROWS, filled_up(n))), np.empty(n), np.empty(n)
     fill_jacobian(state, pixels, (table[RESIDUAL], table[:PARAMETERS], board, off_edges))
-    table[free:RESIDUAL] = 0.0
+    for i in range(free, RESIDUAL):
+        row = table[i]
+        for k in range(n):
+            row[k] = 0.0
     away = pixels[0] - state[:2].copy().reshape(2, 1)
     return judged_rows((table, board, off_edges), away, mask, np.zeros((free, free)), limits)
 
@@ -110,28 +112,31 @@ def judged_rows(
     sums = np.zeros((LAGS, SUMS))
     noise, levels = _without_tone(residual[:n], board, limits.tone_levels)
     freedom = n - PARAMETERS - levels
-    plain, fits = np.zeros((size, size)), np.zeros((size, size))
+    plain, even = np.zeros((size, size)), free + free % HIGH
     add_own_products(table, table.shape[1], plain)
     factor = plain.copy()
-    factor[:free, :free] += prior
+    for i in range(free):
+        for j in range(i + 1):
+            factor[i, j] += prior[i, j]
     if freedom < PARAMETERS or not factorise(factor, free, _SINGULAR):
         return False, covariance, sums, powers, 0.0
     variance = _variance(noise, board, limits.min_variance_share) * (n / freedom)
-    weighted = np.zeros(table.shape)
-    for p in range(size):
+    weighted, fits = np.zeros((even, table.shape[1])), np.zeros((even, even))
+    for p in range(free):
         row, out = table[p], weighted[p]
         for k in range(n):
             out[k] = row[k] * variance[k]
-    add_products(table, weighted, (0, table.shape[1]), fits)
-    _write_covariance(factor, fits, prior * variance.mean(), covariance)
+    add_products(table[:even], weighted, (0, table.shape[1]), fits)
+    _write_covariance(factor, fits, prior * (total(variance) / n), covariance)
     # Variance of Student's distribution: that of the noise is estimated from the corner's own pixels.
     covariance *= freedom / (freedom - 2.0)
     distance = np.empty(n)
     for k in range(n):
         distance[k] = sqrt(away[0, k] * away[0, k] + away[1, k] * away[1, k])
-    powers = wave_powers((table, weighted), (plain, factor, fits), free, distance, variance)
-    _add_products(table, off_edges, mask, limits.flat_blurs, sums)
-    return True, covariance, sums, powers, distance.max()
+    reach = greatest(distance)
+    powers = wave_powers((table, weighted), (plain, factor, fits), free, (distance, reach), variance)
+    _write_products((table[0], table[1], residual), off_edges, mask, limits.flat_blurs, sums)
+    return True, covariance, sums, powers, reach
 
 
 @compiled
@@ -150,7 +155,7 @@ def place_error(
     if freedom < PARAMETERS:
         return np.inf
     variance = _variance(noise, board, limits.min_variance_share) * (n / freedom)
-    usual, total, gain = variance.mean(), 0.0, np.empty(n)
+    usual, squares, gain = total(variance) / n, 0.0, np.empty(n)
     for axis in range(2):
         weight = np.zeros(free)
         weight[axis] = 1.0
@@ -160,8 +165,10 @@ def place_error(
             row, by = table[p], weight[p]
             for k in range(n):
                 gain[k] += by * row[k]
-        total += (gain * gain * variance).sum() + (weight * (prior * weight).sum(axis=1)).sum() * usual
-    return sqrt(0.5 * total * freedom / (freedom - 2.0))
+        squares += (
+            total_of_products(gain * gain, variance) + (weight * (prior * weight).sum(axis=1)).sum() * usual
+        )
+    return sqrt(0.5 * squares * freedom / (freedom - 2.0))
 
 
 @compiled
@@ -181,8 +188,10 @@ def _write_covariance(
     for i in range(2):
         for j in range(2):
             for p in range(free):
+                along = 0.0
                 for q in range(free):
-                    covariance[i, j] += inverse[i, p] * inverse[j, q] * (fits[p, q] + prior[p, q])
+                    along += inverse[j, q] * (fits[p, q] + prior[p, q])
+                covariance[i, j] += inverse[i, p] * along
 
 
 @compiled
@@ -192,35 +201,45 @@ def _without_tone(residual: np.ndarray, board: np.ndarray, tone_levels: int) -> 
     What the residual is on average at a level is a tone curve and no noise.
     """
     level = np.empty(len(board), dtype=np.int64)
-    total, count = np.zeros(4 * tone_levels + 1), np.zeros(4 * tone_levels + 1)
+    sums, count = np.zeros(4 * tone_levels + 1), np.zeros(4 * tone_levels + 1)
     for k in range(len(board)):
         at = floor(tone_levels * board[k] + 0.5) + 2 * tone_levels
         level[k] = min(max(at, 0), 4 * tone_levels)
-        total[level[k]] += residual[k]
+    for k in range(len(board)):
+        sums[level[k]] += residual[k]
         count[level[k]] += 1.0
-    mean = total / np.maximum(count, 1.0)
-    return residual - mean[level], int((count > 0.0).sum())
+    mean, noise = sums / np.maximum(count, 1.0), np.empty(len(board))
+    for k in range(len(board)):
+        noise[k] = residual[k] - mean[level[k]]
+    return noise, int((count > 0.0).sum())
 
 
 @compiled
 def _variance(noise: np.ndarray, board: np.ndarray, least: float) -> np.ndarray:
     """Return the noise's variance at every pixel, linear from black to white: photons, tone curves."""
-    squares = noise * noise
-    mean, middle = squares.mean(), board.mean()
+    squares, n = noise * noise, len(noise)
+    mean, middle = total(squares) / n, total(board) / n
     away = board - middle
-    spread = (away * away).sum()
-    slope = (away * squares).sum() / spread if spread > 0.0 else 0.0
+    spread = total_of_products(away, away)
+    slope = total_of_products(away, squares) / spread if spread > 0.0 else 0.0
     variance: np.ndarray = np.maximum(mean + slope * away, least * mean)
     return variance
 
 
 @compiled
-def _add_products(
-    table: np.ndarray, off_edges: np.ndarray, mask: np.ndarray, flat_blurs: float, sums: np.ndarray
+def _write_products(
+    rows: tuple[np.ndarray, np.ndarray, np.ndarray],
+    off_edges: np.ndarray,
+    mask: np.ndarray,
+    flat_blurs: float,
+    sums: np.ndarray,
 ) -> None:
-    """Add products of pixels at all distances to sums; the edges themselves are left out of the residuals."""
+    """Write the sums of products of pixels at all distances; the edges are left out of the residuals.
+
+    `rows` are the derivatives by the place and the residuals.
+    """
+    (by_x, by_y, residual), n = rows, len(off_edges)
     height, width = mask.shape
-    n = len(off_edges)
     wide = width + 2 * REACH
     number, places = np.full((height + REACH) * wide, n), np.empty(n, dtype=np.int64)
     k = 0
@@ -234,10 +253,9 @@ def _add_products(
     values = np.zeros((n + 1, 4))
     for k in range(n):
         flat = 1.0 if off_edges[k] > flat_blurs else 0.0
-        values[k, 0], values[k, 1] = flat, flat * table[len(table) - 2, k]
-        values[k, 2], values[k, 3] = table[0, k], table[1, k]
+        values[k, 0], values[k, 1], values[k, 2], values[k, 3] = flat, flat * residual[k], by_x[k], by_y[k]
     # Three lags at a time, since a sum must wait for what was added before.
-    for lag in range(0, LAGS, _TOGETHER):
+    for lag in range(REACH + 1, LAGS, _TOGETHER):
         first, second, third = _shift(lag, wide), _shift(lag + 1, wide), _shift(lag + 2, wide)
         a = b = c = d = a2 = b2 = c2 = d2 = a3 = b3 = c3 = d3 = 0.0
         for k in range(n):
@@ -248,11 +266,15 @@ def _add_products(
             c2, d2 = c2 + own[2] * two[2], d2 + own[3] * two[3]
             a3, b3 = a3 + own[0] * three[0], b3 + own[1] * three[1]
             c3, d3 = c3 + own[2] * three[2], d3 + own[3] * three[3]
-        sums[lag, 0], sums[lag, 1], sums[lag, 2] = sums[lag, 0] + a, sums[lag, 1] + b, sums[lag, 2] + (c + d)
-        for more, pairs, energy, both in ((1, a2, b2, c2 + d2), (2, a3, b3, c3 + d3)):
-            sums[lag + more, 0] += pairs
-            sums[lag + more, 1] += energy
-            sums[lag + more, 2] += both
+        for more, pairs, energy, both in ((0, a, b, c + d), (1, a2, b2, c2 + d2), (2, a3, b3, c3 + d3)):
+            sums[lag + more, 0], sums[lag + more, 1], sums[lag + more, 2] = pairs, energy, both
+    a = b = c = d = 0.0
+    for k in range(n):
+        own = values[k]
+        a, b, c, d = a + own[0] * own[0], b + own[1] * own[1], c + own[2] * own[2], d + own[3] * own[3]
+    sums[REACH, 0], sums[REACH, 1], sums[REACH, 2] = a, b, c + d
+    for lag in range(REACH):  # to the left, as to the right
+        sums[lag] = sums[2 * REACH - lag]
 
 
 @compiled

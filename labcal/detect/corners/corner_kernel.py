@@ -1,16 +1,23 @@
 """The blurred pattern of a corner and its fit, in compiled code; what they mean stands at `corner_model`."""
 
-from math import cos, exp, hypot, sin, sqrt
+from math import cos, hypot, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from labcal.detect.cholesky import factorise, solve
-from labcal.detect.compiled import compiled, inlined
-from labcal.detect.corners.corner_rows import write_levels, write_rows
-from labcal.detect.corners.edge_profile import edge_profile
+from labcal.detect.compiled import compiled
+from labcal.detect.corners.blurred_board import (
+    darken,
+    find_near,
+    make_wedge,
+    write_beside,
+    write_board,
+)
+from labcal.detect.corners.corner_chunks import BOARD, CHUNK, OFF_EDGES, A, B, Room, X, Y, room_of
+from labcal.detect.corners.corner_rows import RESIDUAL, ROWS, Turned, write_distances, write_rows
 from labcal.detect.corners.quadrature import quadrature
-from labcal.detect.row_products import add_own_products, filled_up
+from labcal.detect.row_products import add_own_products, copy_columns, filled_up
 
 PARAMETERS = 10
 """Corner 2, angles of the edges' normals 2, blurs 2, mean, half step, slope of the light 2."""
@@ -21,14 +28,6 @@ CHESSBOARD, WEDGE = 0, 1
 """Patterns: a chessboard of -1 and 1; a black wedge on white."""
 _MOST_OBLIQUE = 0.999
 """Cosine of the angle between the edges."""
-_NOTHING = 16.0
-"""exp(-16) of the board's step is nothing."""
-_STRAIGHT = 6.0
-"""So many blurs from an edge nothing is left of its profile."""
-_FAR = 9.0
-"""The darkness of an edge so many blurs away is nothing."""
-ROWS = 12
-"""Of the table of derivatives and, below them, residuals: filled up to whole tiles of products."""
 _RIDGE = 1e-9
 _SINGULAR = 1e-12
 
@@ -47,73 +46,24 @@ Pixels = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]
 :class:`labcal.detect.corners.corner_model.CornerPixels`."""
 
 
-@inlined
-def _board_at(a: float, b: float, correlation: float, rule: np.ndarray) -> tuple[float, float, float, float]:
-    """Return a blurred chessboard's value at distances in blurs, and derivatives by a, b and the correlation.
-
-    It is the expectation of ``sign(a + z1) sign(b + z2)`` for standard normal z1, z2. By Plackett's identity
-    (1954, Biometrika 41) its derivative by the correlation is four times the density at (a, b), which is
-    integrated from correlation 0, where it is a product.
-    """
-    squares, product = 0.5 * (a * a + b * b), a * b
-    if (1.0 - abs(correlation)) * squares > _NOTHING:
-        # Beside the corner: a straight edge, and hardly anything of the other one.
-        value, slope_a, slope_b = (1.0 if product > 0.0 else -1.0), 0.0, 0.0
-        if abs(a) < _STRAIGHT:
-            profile, slope = edge_profile(a)
-            up = 1.0 if b > 0.0 else -1.0
-            value, slope_a = profile * up, slope * up
-        if abs(b) < _STRAIGHT:
-            profile, slope = edge_profile(b)
-            value, slope_b = value * abs(profile), (slope if a > 0.0 else -slope)
-        return value, slope_a, slope_b, 0.0
-    per_other = 1.0 / sqrt(1.0 - correlation * correlation)
-    profile_a, slope_a = edge_profile(a)
-    profile_b, slope_b = edge_profile(b)
-    value = profile_a * profile_b
-    for k in range(rule.shape[1]):
-        value += rule[2, k] * exp(-(squares - product * rule[0, k]) * rule[1, k])
-    beside_b, density = edge_profile((b - correlation * a) * per_other)
-    beside_a, _ = edge_profile((a - correlation * b) * per_other)
-    return value, slope_a * beside_b, slope_b * beside_a, slope_a * density * per_other
-
-
-@inlined
-def _darkness(a: float, b: float, gap_a: float, gap_b: float) -> float:
-    """Return how much markers, so far away from the edges, darken a chessboard there; distances in blurs."""
-    profile_a, _ = edge_profile(abs(a) - gap_a)
-    profile_b, _ = edge_profile(abs(b) - gap_b)
-    return 0.5 * (1.0 + profile_a) * (1.0 + profile_b)
-
-
-@inlined
-def _wedge_at(
-    a: float, b: float, board: tuple[float, float, float, float]
-) -> tuple[float, float, float, float]:
-    """Return the same as :func:`_board_at` of a wedge, from that of the chessboard with the same edges."""
-    profile_a, slope_a = edge_profile(a)
-    profile_b, slope_b = edge_profile(b)
-    value, by_a, by_b, by_correlation = board
-    return (
-        0.5 - 0.5 * (value + profile_a + profile_b),
-        -0.5 * (by_a + slope_a),
-        -0.5 * (by_b + slope_b),
-        -0.5 * by_correlation,
-    )
-
-
 @compiled
 def pattern_values(u: np.ndarray, correlation: float, gap: np.ndarray, pattern: int) -> np.ndarray:
     """Return a pattern at distances u (2, n) from its edges, with markers `gap` (2,) away; all in blurs."""
-    values = np.empty(u.shape[1])
-    rule = quadrature(correlation)
-    for k in range(u.shape[1]):
-        a, b = u[0, k], u[1, k]
-        at = _board_at(a, b, correlation, rule)
+    n, values = u.shape[1], np.empty(u.shape[1])
+    room = room_of(u, values)
+    for chunk in range(len(room.kept)):
+        own = room.kept[chunk]
+        own[A : A + CHUNK], own[B : B + CHUNK] = own[X : X + CHUNK], own[Y : Y + CHUNK]
+    near, taken = find_near(room, correlation), 0
+    write_beside(room, near, correlation, quadrature(correlation))
+    for chunk in range(len(room.kept)):
+        taken, first = write_board(room, chunk, taken, near), chunk * CHUNK
         if pattern == WEDGE:
-            values[k] = _wedge_at(a, b, at)[0]
+            make_wedge(room.space)
         else:
-            values[k] = at[0] - (_darkness(a, b, gap[0], gap[1]) if a * b > 0.0 else 0.0)
+            darken(room.space, gap[0], gap[1])
+        for k in range(min(CHUNK, n - first)):
+            values[first + k] = room.space[BOARD + k]
     return values
 
 
@@ -132,35 +82,69 @@ def fill_jacobian(
     rows : tuple of ndarray
         Residuals (n,), derivatives (PARAMETERS, n), pattern (n,), distances (n,); overwritten.
     """
-    offset, value, gap, bend, pattern = pixels
     residual, jacobian, board, off_edges = rows
+    room, n = room_of(pixels[0], pixels[1]), len(pixels[1])
+    lines = room.space.reshape(-1, CHUNK)
+    turned, near = _prepared(state, pixels, room)
+    taken = 0
+    for chunk in range(len(room.kept)):
+        taken, at = _linearised(state, pixels, (room, turned), (chunk, taken, near)), chunk * CHUNK
+        count = min(CHUNK, n - at)
+        copy_columns(lines[:PARAMETERS], 0, jacobian, (at, count))
+        for k in range(count):
+            residual[at + k] = room.space[RESIDUAL * CHUNK + k]
+            board[at + k], off_edges[at + k] = room.space[BOARD + k], room.space[OFF_EDGES + k]
+
+
+@compiled
+def _prepared(state: np.ndarray, pixels: Pixels, room: Room) -> tuple[Turned, int]:
+    """Write what the chunks of a corner need of each other; return angles and the number of pixels near."""
+    turned = cos(state[2]), sin(state[2]), cos(state[3]), sin(state[3])
+    for chunk in range(len(room.kept)):
+        write_distances(state, turned, pixels[3], room.kept[chunk])
     correlation = min(max(cos(state[2] - state[3]), -_MOST_OBLIQUE), _MOST_OBLIQUE)
-    rule = quadrature(correlation)
-    c0, s0, c1, s1 = cos(state[2]), sin(state[2]), cos(state[3]), sin(state[3])
-    blur0, blur1 = state[4], state[5]
-    # Light falls on the print before the lens blurs it: by Stein's lemma its slope moves each edge.
-    moved0, moved1 = blur0 * (c0 * state[8] + s0 * state[9]), blur1 * (c1 * state[8] + s1 * state[9])
-    gap0, gap1 = gap[0] / blur0, gap[1] / blur1
-    from0, from1 = gap0 - _FAR, gap1 - _FAR
-    per0, per1, half0, half1 = 1.0 / blur0, 1.0 / blur1, 0.5 * bend[0], 0.5 * bend[1]
-    x, y, x0, y0, n = offset[0], offset[1], state[0], state[1], len(value)
-    first, second, turn = np.empty(n), np.empty(n), np.empty(n)
-    across0, across1, along0, along1 = jacobian[2], jacobian[3], jacobian[4], jacobian[5]
-    for k in range(n):
-        dx, dy = x[k] - x0, y[k] - y0
-        far0, far1 = c0 * dy - s0 * dx, c1 * dy - s1 * dx
-        a = (c0 * dx + s0 * dy - half0 * far0 * far0) * per0 + moved0
-        b = (c1 * dx + s1 * dy - half1 * far1 * far1) * per1 + moved1
-        at, by_a, by_b, by_correlation = _board_at(a, b, correlation, rule)
-        if pattern == WEDGE:
-            at, by_a, by_b, by_correlation = _wedge_at(a, b, (at, by_a, by_b, by_correlation))
-        elif a * b > 0.0 and abs(a) > from0 and abs(b) > from1:
-            at -= _darkness(a, b, gap0, gap1)
-        first[k], second[k], turn[k], board[k] = by_a, by_b, by_correlation, at
-        across0[k], across1[k], along0[k], along1[k] = far0, far1, a, b
-        off_edges[k] = min(abs(a), abs(b))
-    write_levels(state, offset, (value, board), (residual, jacobian[6], jacobian[7]))
-    write_rows(state, (offset, board), (first, second, turn), jacobian)
+    near = find_near(room, correlation)
+    write_beside(room, near, correlation, quadrature(correlation))
+    return turned, near
+
+
+@compiled
+def _linearised(
+    state: np.ndarray, pixels: Pixels, around: tuple[Room, Turned], numbers: tuple[int, int, int]
+) -> int:
+    """Write the rows of a chunk; return how many pixels near both edges are in the chunks up to this one.
+
+    `numbers` are that of the chunk, of such pixels before it, and of all these.
+    """
+    room, turned = around
+    chunk, taken, near = numbers
+    taken = write_board(room, chunk, taken, near)
+    if pixels[4] == WEDGE:
+        make_wedge(room.space)
+    else:
+        darken(room.space, pixels[2][0] / state[4], pixels[2][1] / state[5])
+    write_rows(state, turned, room.kept[chunk], room.space)
+    return taken
+
+
+@compiled
+def _write_normal(state: np.ndarray, pixels: Pixels, room: Room, normal: np.ndarray) -> None:
+    """Write the products of the derivatives and residuals at a state with one another, (ROWS, ROWS)."""
+    n, lines, taken = len(pixels[1]), room.space.reshape(-1, CHUNK)[:ROWS], 0
+    turned, near = _prepared(state, pixels, room)
+    for k in range(CHUNK):
+        lines[RESIDUAL + 1, k] = 0.0
+    for i in range(ROWS):
+        for j in range(ROWS):
+            normal[i, j] = 0.0
+    for chunk in range(len(room.kept)):
+        taken = _linearised(state, pixels, (room, turned), (chunk, taken, near))
+        count = min(CHUNK, n - chunk * CHUNK)
+        width = filled_up(count)
+        for row in range(RESIDUAL + 1):
+            for k in range(count, width):
+                lines[row, k] = 0.0
+        add_own_products(lines, width, normal)
 
 
 @compiled
@@ -190,15 +174,10 @@ def settled_with(
     `normal` (ROWS, ROWS) the lower triangle of the normal matrix of the last step is written.
     """
     tolerance, free = ends
-    n = len(pixels[1])
-    table = np.zeros((ROWS, filled_up(n)))
-    residual = table[PARAMETERS]
-    rows = (residual, table[:PARAMETERS], np.empty(n), np.empty(n))
+    n, room = len(pixels[1]), room_of(pixels[0], pixels[1])
     change, gradient = np.zeros(PARAMETERS), np.empty(PARAMETERS)
     for _ in range(limits.max_iterations):
-        fill_jacobian(state, pixels, rows)
-        normal[:] = 0.0
-        add_own_products(table, table.shape[1], normal)
+        _write_normal(state, pixels, room, normal)
         for i in range(free):
             change[i] = gradient[i] = normal[PARAMETERS, i]
             normal[i, i] *= 1.0 + _RIDGE

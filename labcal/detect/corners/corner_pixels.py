@@ -1,12 +1,12 @@
 """The pixels of many corners, one after the other in flat arrays, for compiled code."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from labcal.detect.compiled import compiled
-from labcal.detect.corners.corner_kernel import Pixels
+from labcal.detect.corners.corner_kernel import CHESSBOARD, Pixels
 from labcal.detect.corners.corner_model import CornerPixels
 
 Window = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -55,9 +55,13 @@ def packed(windows: Sequence[Window]) -> PackedPixels:
         first, last = ends[k, 0], ends[k + 1, 0]
         shape[k, 0], shape[k, 1] = own.shape
         gap[k] = gaps
-        mask[ends[k, 1] : ends[k + 1, 1]] = own.ravel()
-        offset[2 * first : 2 * last] = offsets.ravel()
-        value[first:last] = values
+        flat, here, there = own.ravel(), mask[ends[k, 1] : ends[k + 1, 1]], value[first:last]
+        xs, ys = offset[2 * first : first + last], offset[first + last : 2 * last]
+        # Element by element: assignment of slices takes longer than that.
+        for j in range(len(here)):
+            here[j] = flat[j]
+        for j in range(len(there)):
+            xs[j], ys[j], there[j] = offsets[0, j], offsets[1, j], values[j]
     return PackedPixels(ends, shape, mask, offset, value, gap)
 
 
@@ -89,10 +93,28 @@ def pack(windows: Sequence[CornerPixels]) -> PackedPixels:
     )
 
 
-def unpacked(all_: PackedPixels, which: Sequence[int]) -> Iterator[Window]:
-    """Return the windows of some corners, by number, as views."""
-    ends, shapes = all_.ends.tolist(), all_.shape.tolist()
-    for k in which:
-        (first, at), (last, end), shape, gap = ends[k], ends[k + 1], shapes[k], all_.gap[k]
-        offset = all_.offset[2 * first : 2 * last].reshape(2, -1)
-        yield all_.mask[at:end].reshape(shape), offset, all_.value[first:last], gap
+class PackedCorner(NamedTuple):
+    """The pixels of a corner among those of many, to be taken out where somebody wants them.
+
+    Attributes
+    ----------
+    all_ : PackedPixels
+    number : int
+        Of the corner.
+    bend : ndarray, shape (2,)
+    pattern : int
+        Both as of :class:`~labcal.detect.corners.corner_model.CornerPixels`.
+    """
+
+    all_: PackedPixels
+    number: int
+    bend: np.ndarray
+    pattern: int = CHESSBOARD
+
+    def unpacked(self) -> CornerPixels:
+        """Return the pixels, as views."""
+        all_, k = self.all_, self.number
+        (first, at), (last, end) = all_.ends[k].tolist(), all_.ends[k + 1].tolist()
+        mask = all_.mask[at:end].reshape(all_.shape[k].tolist())
+        offset, value = all_.offset[2 * first : 2 * last].reshape(2, -1), all_.value[first:last]
+        return CornerPixels(mask, offset, value, all_.gap[k], self.pattern, self.bend)

@@ -10,16 +10,23 @@ from labcal.detect.corners.corner_kernel import (
     CHESSBOARD,
     LIGHT_KNOWN,
     PARAMETERS,
-    ROWS,
     FitLimits,
     settled,
     settled_with,
     take_known_light,
 )
 from labcal.detect.corners.corner_pixels import PackedPixels, mask_of, packed, pixels_of
-from labcal.detect.corners.corner_window import Places, WindowLimits, narrowest, near_edges, window_arrays
+from labcal.detect.corners.corner_rows import ROWS
+from labcal.detect.corners.corner_window import (
+    Places,
+    WindowLimits,
+    narrowest,
+    near_edges,
+    window_arrays,
+    with_clipped,
+)
 from labcal.detect.corners.edge_waves import WAVES
-from labcal.detect.corners.first_fit import FirstLimits, first_fit
+from labcal.detect.corners.first_fit import FirstLimits, first_fit, leaves_out_clipped
 from labcal.detect.edges.residuals import LAGS, SUMS
 
 
@@ -65,7 +72,9 @@ def first_fits(grey: np.ndarray, places: Places, limits: tuple[FirstLimits, FitL
     ok, states, rms = np.zeros(n, dtype=np.bool_), np.zeros((n, PARAMETERS)), np.zeros(n)
     windows = []
     for k in range(n):
-        here = WindowLimits(around[k, 0], around[k, 1], around[k, 2], around[k, 3], around[k, 4])
+        here = WindowLimits(
+            around[k, 0], around[k, 1], around[k, 2], around[k, 3], around[k, 4], around[k, 5]
+        )
         ok[k], states[k], window, rms[k] = first_fit(grey, (centres[k], axes[k], bends[k]), here, limits)
         windows.append(window)
     return Round(ok, states, rms, packed(windows), np.zeros((0, ROWS, ROWS)))
@@ -83,11 +92,15 @@ def wide_fits(
     normals = np.zeros((n, ROWS, ROWS))
     windows = []
     for k in range(n):
-        here = WindowLimits(around[k, 0], around[k, 1], around[k, 2], around[k, 3], around[k, 4])
+        here = WindowLimits(
+            around[k, 0], around[k, 1], around[k, 2], around[k, 3], around[k, 4], around[k, 5]
+        )
         state = states[k]
         state[:2] = 0.0
         blur, narrow = max(state[4], state[5]), narrowest(axes[k])
         guard = own.marker_guard_blurs * blur / narrow
+        if not leaves_out_clipped(state, newton):
+            here = with_clipped(here)
         mask, offset, value, gap = window_arrays(grey, (centres[k], axes[k]), here, guard)
         mask, offset, value = near_edges((mask, offset, value), state, own.edge_blurs)
         windows.append((mask, offset, value, gap))
@@ -135,7 +148,7 @@ def light_fits(
 
 @compiled
 def judgements(
-    pixels: PackedPixels,
+    pixels: tuple[PackedPixels, np.ndarray],
     patterns: np.ndarray,
     bends: np.ndarray,
     fits: tuple[np.ndarray, np.ndarray],
@@ -143,15 +156,16 @@ def judgements(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return whether there are pixels enough (n,), covariances, sums, powers and reaches of fits.
 
-    `fits` holds the states (n, PARAMETERS), and how many of the parameters were fitted (n,).
+    `pixels` are those of some corners, and which of them each fit is of (n,). `fits` holds the states
+    (n, PARAMETERS), and how many of the parameters were fitted (n,).
     """
-    states, free = fits
+    (all_, which), (states, free) = pixels, fits
     n = len(states)
     ok, reach = np.zeros(n, dtype=np.bool_), np.zeros(n)
     covariance, sums, powers = np.zeros((n, 2, 2)), np.zeros((n, LAGS, SUMS)), np.zeros((n, WAVES, 2))
     for k in range(n):
-        window = pixels_of(pixels, k, bends[k], patterns[k])
-        fine, own, products, waves, far = judged(states[k], window, mask_of(pixels, k), free[k], limits)
+        window = pixels_of(all_, which[k], bends[k], patterns[k])
+        fine, own, products, waves, far = judged(states[k], window, mask_of(all_, which[k]), free[k], limits)
         if fine:
             ok[k], covariance[k], sums[k], powers[k], reach[k] = fine, own, products, waves, far
     return ok, covariance, sums, powers, reach

@@ -1,7 +1,7 @@
 """Pixels of the fit of a corner: those around it that belong to its own edges, in compiled code."""
 
 from dataclasses import dataclass, field
-from math import ceil, cos, floor, hypot, sin, sqrt
+from math import ceil, cos, floor, hypot, inf, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +29,8 @@ class Surroundings:
         Distance from both edges beyond which there may be marks in squares of either colour, in squares.
     share : float
         How far from the corner the pixels reach, in squares.
+    most : float
+        Grey value from which on pixels are clipped, and left out.
     bend : ndarray, shape (2,)
         Curvature of either edge towards its normal, 1/px.
     """
@@ -40,12 +42,13 @@ class Surroundings:
     reach: float
     clear: float = 1.0
     share: float = 0.45
+    most: float = inf
     bend: np.ndarray = field(default_factory=lambda: np.zeros(2))
 
     @property
     def limits(self) -> "WindowLimits":
         """The same for compiled code."""
-        return WindowLimits(float(self.white), self.gap, self.clear, self.reach, self.share)
+        return WindowLimits(float(self.white), self.gap, self.clear, self.reach, self.share, self.most)
 
 
 class Places(NamedTuple):
@@ -56,7 +59,7 @@ class Places(NamedTuple):
     centre : ndarray, shape (n, 2)
     axes : ndarray, shape (n, 2, 2)
     bend : ndarray, shape (n, 2)
-    limits : ndarray, shape (n, 5)
+    limits : ndarray, shape (n, 6)
         The values of :class:`WindowLimits`.
     """
 
@@ -80,6 +83,13 @@ class WindowLimits(NamedTuple):
     clear: float
     reach: float
     share: float
+    most: float
+
+
+@compiled
+def with_clipped(limits: WindowLimits) -> WindowLimits:
+    """Return limits that keep the pixels which are clipped."""
+    return WindowLimits(limits.white, limits.gap, limits.clear, limits.reach, limits.share, inf)
 
 
 @compiled
@@ -133,6 +143,7 @@ def window_arrays(
                 or nearest > limits.clear - guard
                 or farthest >= limits.share
                 or dx * dx + dy * dy >= far
+                or grey[top + j, left + i] >= limits.most
             ):
                 continue
             mask[j, i] = True

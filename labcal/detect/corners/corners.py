@@ -6,10 +6,10 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from labcal.arrays import Pixels
-from labcal.detect.corners.corner_fit import SettledCorner, fit_corners
+from labcal.detect.corners.corner_fit import SettledCorner, fit_corners, places_of
 from labcal.detect.corners.corner_window import Places, WindowLimits
 from labcal.detect.corners.wider_fits import wider_fits
-from labcal.detect.grey import GreyPicture
+from labcal.detect.grey import GreyPicture, clipping
 from labcal.detect.lattice.lattice import Lattice, Node
 from labcal.detect.lattice.prediction import Prediction, Predictor
 from labcal.detect.medians import median_of
@@ -109,7 +109,7 @@ def measured_corners(
     standard = Standard.of(fits)
     fits = [standard.met_by(fit, settings.corner) for fit in fits]
     index = [(int(i), int(j)) for i, j in rough.index]
-    seen_at = [place if fit is None else fit.centre for place, fit in zip(rough.seen_at, fits, strict=True)]
+    seen_at = list(places_of(fits, rough.seen_at))
     known = {node: k for k, node in enumerate(index) if fits[k] is not None}
     tried = dict.fromkeys(index, 9**9)
     found = bool(known)  # from none there is nothing to predict
@@ -156,10 +156,7 @@ def widened_corners(
     wider = wider_fits(grey, fits, places, lambda: _axes(corners)[fitted], settings)
     standard = Standard.of(list(wider.values()))
     found = [standard.met_by(wider.get(node), settings) for node in nodes]
-    seen_at = [
-        place if fit is None else fit.centre for place, fit in zip(corners.seen_at, found, strict=True)
-    ]
-    return Corners(corners.index, np.array(seen_at), found)
+    return Corners(corners.index, places_of(found, corners.seen_at), found)
 
 
 def _as_outlines(places: list[np.ndarray]) -> Outlines:
@@ -184,12 +181,15 @@ class _Search:
     settings: CornerSettings
     black: np.ndarray
     """Black squares, by the corner to whose upper right they lie, shape (cols, rows)."""
+    most: float
+    """Grey value from which on the picture is clipped."""
 
     @classmethod
     def of(cls, grey: GreyPicture, board: SquareBoard, settings: CornerSettings) -> "_Search":
         """Return the search in a picture."""
         i, j = np.indices((board.cols, board.rows)).reshape(2, -1) + 1
-        return cls(grey, board, settings, board.is_black(i, j).reshape(board.cols, board.rows))
+        black = board.is_black(i, j).reshape(board.cols, board.rows)
+        return cls(grey, board, settings, black, clipping(grey, settings.clipped_value_share)[1])
 
     def fits_at(self, predictions: dict[Node, Prediction]) -> list[SettledCorner | None]:
         """Return the fits of corners where their neighbours predict them; None for those that are none."""
@@ -215,6 +215,7 @@ class _Search:
         limits[:, 1] = board.corner_gap
         limits[:, 2] = [board.clear_reach(col, row) for col, row in index.tolist()]
         limits[:, 3], limits[:, 4] = max(settings.min_reach_px, reach), settings.max_reach_squares
+        limits[:, 5] = self.most
         return Places(seen_at, axes, np.zeros((len(index), 2)), limits)
 
 

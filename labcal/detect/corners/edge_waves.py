@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from labcal.detect.cholesky import solve
 from labcal.detect.compiled import compiled
-from labcal.detect.row_products import LANES, add_products
+from labcal.detect.row_products import HIGH, WIDE, add_products
 
 WAVES = 6
 """Of the distance from the corner: one half to three within the pixels of a fit."""
@@ -24,7 +24,7 @@ def wave_powers(
     tables: tuple[np.ndarray, np.ndarray],
     products: tuple[np.ndarray, np.ndarray, np.ndarray],
     free: int,
-    distance: np.ndarray,
+    far: tuple[np.ndarray, float],
     variance: np.ndarray,
 ) -> np.ndarray:
     """Return the power of the residuals in each wave, and the expected one, for noise as the fit has it.
@@ -39,15 +39,15 @@ def wave_powers(
     tables : (ndarray, ndarray), shape (r, w)
         At the converged fit: derivatives by the free parameters, and in the last row but one residuals; 0
         in all other rows, and in all columns beyond the n pixels. r is even, w is n filled up to whole tiles.
-        And the same times the variances.
-    products : (ndarray, ndarray, ndarray), shape (r, r)
+        And the derivatives, filled up to an even number of rows, times the variances.
+    products : (ndarray, ndarray, ndarray)
         Of the first table's rows with one another, its lower triangle; the Cholesky factor of the normal
-        matrix, which is a part of it with what is known from elsewhere added; and of the first table's rows
-        with those of the second one.
+        matrix, which is a part of it with what is known from elsewhere added; and of the derivatives with
+        those of the second table.
     free : int
         Number of free parameters.
-    distance : ndarray, shape (n,)
-        Of the pixels from the corner, px.
+    far : (ndarray, float)
+        Distances of the pixels from the corner, shape (n,), and the greatest one, px.
     variance : ndarray, shape (n,)
         Of the pixels' noise, as the covariance counts with it.
 
@@ -56,8 +56,8 @@ def wave_powers(
     ndarray, shape (WAVES, 2)
         Means over both axes; for weights whose noise has the power 1 where a fit takes none of it.
     """
-    (table, weighted), (plain, root, fits) = tables, products
-    n, (size, width) = len(distance), table.shape
+    (table, weighted), (plain, root, fits), (distance, farthest) = tables, products, far
+    n, even, (size, width) = len(distance), len(weighted), table.shape
     residual = size - 2
     gain = np.zeros((2, width))
     for axis in range(2):
@@ -69,33 +69,48 @@ def wave_powers(
             for k in range(n):
                 out[k] += by * row[k]
     waves = np.zeros((_TESTS, width))
-    per_farthest = 1.0 / distance.max()
-    for k in range(n):
-        # By Chebyshev's recursion, each wave from the two before it.
-        first = _half_wave(per_farthest * distance[k])
-        before, wave = 1.0, first
-        for number in range(WAVES):
-            waves[2 * number, k], waves[2 * number + 1, k] = wave * gain[0, k], wave * gain[1, k]
-            before, wave = wave, 2.0 * first * wave - before
+    _write_waves(distance, 1.0 / farthest, gain, waves)
     sizes = _weighted_squares(waves, variance)
     # Of a wave t less what the fit takes, t - J' w, the squares times the variances v are
     # t v t - 2 w (J v t) + w (J v J') w.
-    taken, noise = np.zeros((_TESTS, size)), np.zeros((_TESTS, size))
-    add_products(waves, table, (0, width), taken)
+    taken, noise, left = np.zeros((_TESTS, even)), np.zeros((_TESTS, even)), np.zeros((_TESTS, WIDE))
+    add_products(waves, table[:even], (0, width), taken)
+    add_products(waves, table[residual:], (0, width), left)
     add_products(waves, weighted, (0, width), noise)
     powers, weight = np.zeros((WAVES, 2)), np.empty(free)
     for test in range(_TESTS):
-        weight[:] = taken[test, :free]
+        for p in range(free):
+            weight[p] = taken[test, p]
         solve(root, weight)
-        seen, expected = taken[test, residual], sizes[test]
+        seen, expected = left[test, 0], sizes[test]
         for p in range(free):
             seen -= weight[p] * plain[residual, p]
-            expected -= 2.0 * weight[p] * noise[test, p]
+            along = -2.0 * noise[test, p]
             for q in range(free):
-                expected += weight[p] * weight[q] * fits[p, q]
+                along += fits[p, q] * weight[q]
+            expected += weight[p] * along
         powers[test // 2, 0] += 0.5 * seen * seen / sizes[test]
         powers[test // 2, 1] += 0.5 * max(expected, 0.0) / sizes[test]
     return powers
+
+
+@compiled
+def _write_waves(distance: np.ndarray, per_farthest: float, gain: np.ndarray, waves: np.ndarray) -> None:
+    """Write the weights of both axes (2, w) times each wave, by Chebyshev's recursion."""
+    n = len(distance)
+    first, before, wave, following = np.empty(n), np.ones(n), np.empty(n), np.empty(n)
+    for k in range(n):
+        first[k] = _half_wave(per_farthest * distance[k])
+    for k in range(n):
+        wave[k] = first[k]
+    for number in range(WAVES):
+        for axis in range(2):
+            row, own = waves[2 * number + axis], gain[axis]
+            for k in range(n):
+                row[k] = wave[k] * own[k]
+        for k in range(n):
+            following[k] = 2.0 * first[k] * wave[k] - before[k]
+        before, wave, following = wave, following, before
 
 
 @compiled
@@ -109,16 +124,18 @@ def _half_wave(share: float) -> float:
 
 @compiled
 def _weighted_squares(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Return the sums of the squares of rows (m, n), weighted (n,); four at a time, since a sum must wait."""
-    sums = np.zeros(len(rows))
-    for i in range(0, len(rows), LANES):
-        a = b = c = d = 0.0
-        for k in range(len(weight)):
-            a += rows[i, k] * rows[i, k] * weight[k]
-            b += rows[i + 1, k] * rows[i + 1, k] * weight[k]
-            c += rows[i + 2, k] * rows[i + 2, k] * weight[k]
-            d += rows[i + 3, k] * rows[i + 3, k] * weight[k]
-        sums[i], sums[i + 1], sums[i + 2], sums[i + 3] = a, b, c, d
+    """Return the sums of the squares of rows (m, w), weighted (n,); 0 in all columns beyond these."""
+    count, n = len(rows), len(weight)
+    sums, products, weighted = np.empty(count), np.empty((HIGH, WIDE)), np.zeros((WIDE, rows.shape[1]))
+    for i in range(0, count, WIDE):
+        for j in range(WIDE):
+            row, out = rows[i + j], weighted[j]
+            for k in range(n):
+                out[k] = row[k] * weight[k]
+        products[:] = 0.0
+        add_products(rows[i : i + HIGH], weighted, (0, rows.shape[1]), products)
+        for j in range(WIDE):
+            sums[i + j] = products[j, j]
     return sums
 
 

@@ -7,8 +7,11 @@ import numpy as np
 
 from labcal.detect.compiled import compiled
 from labcal.detect.corners.corner_kernel import CHESSBOARD, PARAMETERS, FitLimits, settled
-from labcal.detect.corners.corner_window import WindowLimits, narrowest, window_arrays
+from labcal.detect.corners.corner_window import WindowLimits, narrowest, window_arrays, with_clipped
 from labcal.detect.corners.first_state import write_first_state
+
+_WIDE_BLURS = 1.2
+"""Blur of edges that show how they go on to white, over the least one."""
 
 
 class FirstLimits(NamedTuple):
@@ -39,7 +42,8 @@ def first_fit(
     own, newton = limits
     narrow, state = narrowest(axes), np.zeros(PARAMETERS)
     blur = own.first_blur_px
-    window = window_arrays(grey, (centre, axes), around, own.marker_guard_blurs * blur / narrow)
+    whole = with_clipped(around)
+    window = window_arrays(grey, (centre, axes), whole, own.marker_guard_blurs * blur / narrow)
     if len(window[2]) < own.min_pixels:
         return False, state, window, 0.0
     _begin(state, window[2], (axes, around.white, blur))
@@ -48,7 +52,8 @@ def first_fit(
         return False, state, window, 0.0
     # What is left out around markers follows the blur, now that it is known.
     blur = max(state[4], state[5])
-    window = window_arrays(grey, (centre, axes), around, own.marker_guard_blurs * blur / narrow)
+    own_pixels = around if leaves_out_clipped(state, newton) else whole
+    window = window_arrays(grey, (centre, axes), own_pixels, own.marker_guard_blurs * blur / narrow)
     if len(window[2]) < own.min_pixels:
         return False, state, window, 0.0
     pixels = (window[1], window[2], window[3], bend, CHESSBOARD)
@@ -66,6 +71,15 @@ def first_fit(
         and y <= grey.shape[0] - 1 - margin
     )
     return ok, state, window, rms
+
+
+@compiled
+def leaves_out_clipped(state: np.ndarray, limits: FitLimits) -> bool:
+    """Tell whether edges are wide enough to be fitted without the white beyond, where that is clipped.
+
+    Edges without blur, as in drawings, are nothing but black and clipped white.
+    """
+    return bool(min(state[4], state[5]) > _WIDE_BLURS * limits.min_blur_px)
 
 
 @compiled

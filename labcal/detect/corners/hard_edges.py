@@ -1,5 +1,7 @@
 """Uncertainty of corners whose edges have no blur: between pixels an edge leaves no trace of its place."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from labcal.detect.corners.corner_fit import SettledCorner
@@ -16,24 +18,35 @@ _COVERED = 0.06**2
 """The same where pixels are partly covered: what the blurred model makes of a covered share, px squared."""
 
 
-def hard_edge_covariance(fit: SettledCorner, least_blur: float) -> np.ndarray:
-    """Return the covariance of a corner's place that hard edges add, px squared, shape (2, 2).
+def hard_edge_covariances(fits: Sequence[SettledCorner | None], least_blur: float) -> np.ndarray:
+    """Return the covariances that hard edges add to the places of corners, px squared, shape (n, 2, 2).
 
-    It is zero where the edges are blurred. A photograph always is; drawings, rasters and thresholded pictures
-    are not. An edge that is turned against the pixels runs through m of them across its length, evenly: its
-    mean place is then off by 1 / m.
+    They are zero where the edges are blurred, and where there is no fit. A photograph always is; drawings,
+    rasters and thresholded pictures are not.
 
     Parameters
     ----------
-    fit : SettledCorner
+    fits : sequence of SettledCorner or None
     least_blur : float
         The least blur of a fit, px.
     """
-    if min(fit.state.item(4), fit.state.item(5)) > _AT_LEAST * least_blur:
-        return np.zeros((2, 2))
-    variances, offset = np.zeros(2), fit.window.offset - fit.state[:2, None]
+    found = np.zeros((len(fits), 2, 2))
+    for k, fit in enumerate(fits):
+        if fit is not None and min(fit.state.item(4), fit.state.item(5)) <= _AT_LEAST * least_blur:
+            found[k] = _hard_edge_covariance(fit, least_blur)
+    return found
+
+
+def _hard_edge_covariance(fit: SettledCorner, least_blur: float) -> np.ndarray:
+    """Return the covariance of one corner's place, of whose edges at least one is hard.
+
+    An edge that is turned against the pixels runs through m of them across its length, evenly: its mean place
+    is then off by 1 / m.
+    """
+    window = fit.window
+    variances, offset = np.zeros(2), window.offset - fit.state[:2, None]
     normals = np.stack([np.cos(fit.state[2:4]), np.sin(fit.state[2:4])], axis=1)
-    level = np.abs(fit.window.value - fit.state[6]) / abs(float(fit.state[7]))
+    level = np.abs(window.value - fit.state[6]) / abs(float(fit.state[7]))
     for edge, (blur, normal) in enumerate(zip(fit.state[4:6].tolist(), normals, strict=True)):
         if blur > _AT_LEAST * least_blur:
             continue

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from labcal.arrays import DotIndices, Pixels
+from labcal.detect.corners.clipped_edges import with_clipped_edges
 from labcal.detect.corners.corner_fit import SettledCorner, is_cut, judge_all
 from labcal.detect.corners.corner_judgement import CornerFit
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.edge_waves import wavelengths
-from labcal.detect.corners.hard_edges import hard_edge_covariance
+from labcal.detect.corners.hard_edges import hard_edge_covariances
 from labcal.detect.corners.printed_fit import PrintedCorner
 from labcal.detect.dots import PictureDots
 from labcal.detect.edges.noise import noise_factor
@@ -44,23 +45,20 @@ def picture_corners(
     n = len(corners.fits)
     fits = _judged(corners.fits, settings.corner)
     factor = _factor([fit for fit in fits if fit is not None], settings.edge)
-    missing = np.full((2, 2), np.nan)
-    covariance = [
-        missing
-        if fit is None or settled is None
-        else factor * fit.covariance + _added(settled, settings.corner)
-        for fit, settled in zip(fits, corners.fits, strict=True)
-    ]
+    position, covariance = np.full((n, 2), np.nan), np.full((n, 2, 2), np.nan)
+    some = [k for k, fit in enumerate(fits) if fit is not None]
+    if some:
+        position[some] = [fit.centre for fit in fits if fit is not None]
+        own = np.array([fit.covariance for fit in fits if fit is not None])
+        covariance[some] = factor * own + _added(corners.fits, settings.corner)[some]
     dots = PictureDots(
         size=(grey.shape[1], grey.shape[0]),
         polarity=Polarity.BLACK_ON_WHITE,
         refusal=None,
         index=corners.index,
         has_id=np.ones(n, dtype=bool),
-        position=np.array(
-            [missing[0] if fit is None else fit.centre for fit in fits], dtype=np.float64
-        ).reshape(-1, 2),
-        covariance=np.array(covariance, dtype=np.float64).reshape(-1, 2, 2),
+        position=position,
+        covariance=covariance,
         misfit=np.full(n, np.nan),
         flag=tuple(
             DotFlag.OK
@@ -73,6 +71,7 @@ def picture_corners(
         seen_at=corners.seen_at,
         outline=np.full((n, 2, 2), np.nan),
     )
+    dots = with_clipped_edges(dots, corners.fits, grey, settings)
     return dots if refusal is None else dots.refused(refusal)
 
 
@@ -129,10 +128,13 @@ def refused_as_few(dots: PictureDots, placed: DotIndices, detail: str) -> Pictur
     return dots.refused(Refusal.TORN_CORNERS if torn else Refusal.TOO_FEW_DOTS, detail)
 
 
-def _added(fit: SettledCorner, settings: CornerSettings) -> np.ndarray:
-    """Return the covariance of a fit's place that is not from noise, px squared, shape (2, 2)."""
-    hard = hard_edge_covariance(fit, settings.min_blur_px)
-    return hard + fit.shared if isinstance(fit, PrintedCorner) else hard
+def _added(fits: Sequence[SettledCorner | None], settings: CornerSettings) -> np.ndarray:
+    """Return the covariances of the places of fits that are not from noise, px squared, shape (n, 2, 2)."""
+    added = hard_edge_covariances(fits, settings.min_blur_px)
+    for k, fit in enumerate(fits):
+        if isinstance(fit, PrintedCorner):
+            added[k] += fit.shared
+    return added
 
 
 def _judged(fits: Sequence[SettledCorner | None], settings: CornerSettings) -> list[CornerFit | None]:

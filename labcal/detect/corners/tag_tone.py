@@ -75,7 +75,7 @@ def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings)
             rms = settle(states[k], window, settings.tolerance_px, settings, fit.free)
         half = float(states[k, 7])
         if rms >= 0.0 and half > 0.0:
-            found[node] = replace(fit, state=states[k], window=window, roughness=rms / (2.0 * half))
+            found[node] = replace(fit, state=states[k], pixels=window, roughness=rms / (2.0 * half))
     return found
 
 

@@ -79,7 +79,7 @@ def _with_light(wide: SettledCorner, slope: np.ndarray, bend: np.ndarray) -> Set
     state = wide.state.copy()
     # The model's light is 1 where the fit began: the slope at the corner is over the level there.
     state[8:] = slope / (1.0 - slope @ state[:2])
-    return replace(wide, state=state, window=replace(wide.window, bend=bend), free=LIGHT_KNOWN)
+    return replace(wide, state=state, pixels=replace(wide.window, bend=bend), free=LIGHT_KNOWN)
 
 
 def _bends(fits: Mapping[Node, SettledCorner]) -> np.ndarray:

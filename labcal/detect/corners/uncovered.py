@@ -11,7 +11,7 @@ _BEYOND = 3.0
 _SIDES = 0.5
 """Pattern beyond which pixels are white or black ones; between lie those of edges, where rays have noise."""
 _FEWEST = 25
-"""Pixels of a kind whose noise can be told."""
+"""Pixels of a kind whose noise is estimated."""
 _OF_MEDIAN = 1.4826
 """Standard deviation of normal residuals, in the median of their sizes."""
 _BLURS = 3.0

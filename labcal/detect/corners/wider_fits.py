@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from labcal.detect.corners.corner_fit import SettledCorner, widen, widened_with_light
+from labcal.detect.corners.corner_fit import SettledCorner, centres_of, widen, widened_with_light
 from labcal.detect.corners.corner_rounds import Round
 from labcal.detect.corners.corner_window import Places
 from labcal.detect.corners.edge_bends import across_edges, edge_bends
@@ -57,7 +57,7 @@ def wider_fits(
         Without those whose wider fit does not converge, or where the light is not known.
     """
     nodes = list(fits)
-    grid, centres = NodeGrid.of(nodes), np.array([fit.centre for fit in fits.values()])
+    grid, centres = NodeGrid.of(nodes), centres_of(list(fits.values()))
     states = np.array([fit.state for fit in fits.values()])
     spread = grid.spread(centres)
     bends = across_edges(edge_bends(spread)[grid.at], states)
@@ -66,7 +66,7 @@ def wider_fits(
         steps = np.where(np.isnan(steps), usual(), steps)
     determined = np.isfinite(bends).all(axis=1)
     limits = places.limits[determined]
-    limits[:, 3:] = settings.max_reach_px, settings.wide_reach_squares
+    limits[:, 3:5] = settings.max_reach_px, settings.wide_reach_squares
     near = Places(centres[determined], steps[determined], bends[determined], limits)
     final = {node: fits[node] for node, is_known in zip(nodes, determined, strict=True) if not is_known}
     if not determined.any():

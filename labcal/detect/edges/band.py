@@ -121,11 +121,10 @@ def without_clutter(
     """Leave out what is neither dot nor board: dirt, glare, other marks, all away from the edge."""
     pixels, edge = band
     count, least = pixels.shape[1], limits.clutter_share * step
-    suspect = False
+    residual, from_edge, suspects = found[0], found[1], 0
     for k in range(count):
-        if abs(found[0, k]) > least and abs(found[1, k]) > limits.near_flat_blurs:
-            suspect = True
-    if not suspect:
+        suspects += (abs(residual[k]) > least) & (abs(from_edge[k]) > limits.near_flat_blurs)
+    if suspects == 0:
         return band
     size, away = np.abs(found[0]), np.abs(found[1]) > limits.near_flat_blurs
     clutter = (size > max(limits.clutter_sigma * 1.4826 * np.median(size), least)) & away

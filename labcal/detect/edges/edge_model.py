@@ -49,7 +49,9 @@ def normal_equations(
     with the right side below.
     """
     chunk, priors, system = work
-    system[:] = 0.0
+    for i in range(PARAMETERS + 2):
+        for j in range(PARAMETERS + 2):
+            system[i, j] = 0.0
     total = edge.shape[1]
     planes = chunk.reshape(PLANES, CHUNK)
     rows = planes[ROWS : ROWS + PARAMETERS + 2]  # the last for its place: they are taken in pairs
@@ -57,9 +59,18 @@ def normal_equations(
         count = min(CHUNK, total - first)
         copy_columns(edge, first, planes, (0, count))
         linearise(state, shading, chunk, count)
-        rows[:, count : filled_up(count)] = 0.0
+        clear_columns(rows, count)
         add_own_products(rows, filled_up(count), system)
     _add_the_rest(state, shading, (moments, total), expected, (priors, system))
+
+
+@compiled
+def clear_columns(rows: np.ndarray, count: int) -> None:
+    """Set to 0 what fills rows up behind so many columns; assignment of slices takes longer than that."""
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        for k in range(count, filled_up(count)):
+            row[k] = 0.0
 
 
 @compiled
@@ -151,7 +162,9 @@ def _write_priors(
     priors: np.ndarray,
 ) -> None:
     """Write what is known beforehand as rows of derivatives and residual, weighed like pixels."""
-    priors[:] = 0.0
+    for i in range(PRIORS):
+        for j in range(PARAMETERS + 1):
+            priors[i, j] = 0.0
     step = max(abs(shading[3] - shading[0]), TINY)
     for axis in range(2):
         weight = noise / (expected[0] * step)
@@ -187,14 +200,15 @@ def flat_moments(
             chunk[3 * CHUNK + k] = outside * (value - board)
             chunk[4 * CHUNK + k], chunk[5 * CHUNK + k], chunk[6 * CHUNK + k] = inside, inside * x, inside * y
             chunk[7 * CHUNK + k] = inside * (value - dot)
-        rows[:, count : filled_up(count)] = 0.0
-        add_own_products(rows, filled_up(count), sums)
+        clear_columns(rows, count)
+        for i in range(0, 2 * _SIDE, _SIDE):  # no pixel is on both sides
+            add_own_products(rows[i : i + _SIDE], filled_up(count), sums[i : i + _SIDE, i : i + _SIDE])
     for side in range(2):
         i = _SIDE * side
-        one, x, y, g = sums[i], sums[i + 1], sums[i + 2], sums[i + 3]
-        moments[side, :6] = one[i], x[i], y[i], x[i + 1], y[i + 1], y[i + 2]
-        moments[side, 6:10] = g[i], g[i + 1], g[i + 2], g[i + 3]
-        moments[side, 10:] = start[0], start[1], shading[3 * side]
+        one, x, y, g, own = sums[i], sums[i + 1], sums[i + 2], sums[i + 3], moments[side]
+        own[0], own[1], own[2], own[3], own[4], own[5] = one[i], x[i], y[i], x[i + 1], y[i + 1], y[i + 2]
+        own[6], own[7], own[8], own[9] = g[i], g[i + 1], g[i + 2], g[i + 3]
+        own[10], own[11], own[12] = start[0], start[1], shading[3 * side]
 
 
 @compiled

@@ -171,7 +171,8 @@ def _settle(
         normal_equations(state, shading, edge, moments, expected, work)
         if not factorise(system, PARAMETERS, _SINGULAR):
             return False
-        step[:] = system[PARAMETERS, :PARAMETERS]
+        for i in range(PARAMETERS):
+            step[i] = system[PARAMETERS, i]
         solve(system, step)
         a, b, c = state[2], state[3], state[4]
         radius = 1.0 / sqrt(a * c - b * b)
@@ -221,7 +222,8 @@ def _write_certainty(step: np.ndarray, priors: np.ndarray, system: np.ndarray) -
         system[PARAMETERS, 2 * i], system[PARAMETERS, 1] = step[i], step[1 - i]
     determined = float(PARAMETERS)
     for i in range(PRIORS):
-        step[:] = priors[i, :PARAMETERS]
+        for j in range(PARAMETERS):
+            step[j] = priors[i, j]
         solve(system, step)
         for j in range(PARAMETERS):
             determined -= priors[i, j] * step[j]

@@ -10,7 +10,6 @@ from labcal.detect.edges.edge_model import (
     PLANES,
     RESIDUAL,
     ROWS,
-    flattened,
     linearise,
 )
 from labcal.detect.row_products import copy_columns
@@ -33,11 +32,23 @@ def pixel_residuals(
         linearise(state, shading, chunk, count)
         copy_columns(planes[RESIDUAL : ALONG + 1], 0, found, (first, count))
         copy_columns(planes[ROWS : ROWS + 2], 0, found[3:], (first, count))
-    b0, b1, b2, d0, d1, d2 = shading[0], shading[1], shading[2], shading[3], shading[4], shading[5]
-    for k in range(total, pixels.shape[1]):
-        u, v = flattened(state, pixels[0, k], pixels[1, k])
-        inside = u * u + v * v < 1.0
-        shown = d0 + d1 * u + d2 * v if inside else b0 + b1 * u + b2 * v
-        found[0, k], found[1, k] = pixels[2, k] - shown, -FAR if inside else FAR
-        found[2, k], found[3, k], found[4, k] = 0.0, 0.0, 0.0
+    _write_flat(state, shading, pixels[:, total:], found[:, total:])
     return found
+
+
+@compiled
+def _write_flat(state: np.ndarray, shading: np.ndarray, flat: np.ndarray, found: np.ndarray) -> None:
+    """Write the same of flat pixels, (3, n), to columns of their own."""
+    cx, cy, a, b, c = state[0], state[1], state[2], state[3], state[4]
+    b0, b1, b2, d0, d1, d2 = shading[0], shading[1], shading[2], shading[3], shading[4], shading[5]
+    x, y, value, residual, away = flat[0], flat[1], flat[2], found[0], found[1]
+    for k in range(len(value)):
+        dx, dy = x[k] - cx, y[k] - cy
+        u, v = a * dx + b * dy, b * dx + c * dy
+        is_dot = u * u + v * v < 1.0
+        board, dot = b0 + b1 * u + b2 * v, d0 + d1 * u + d2 * v
+        residual[k], away[k] = value[k] - (dot if is_dot else board), -FAR if is_dot else FAR
+    for i in range(2, found.shape[0]):
+        row = found[i]
+        for k in range(len(row)):
+            row[k] = 0.0

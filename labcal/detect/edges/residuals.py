@@ -8,6 +8,7 @@ import numpy as np
 from labcal.detect.cholesky import solve
 from labcal.detect.compiled import compiled
 from labcal.detect.edges.edge_model import FAR, PARAMETERS, SHADING, STATE, TINY, flattened
+from labcal.detect.lane_sums import total, total_of_products
 
 (
     COVARIANCE,
@@ -97,7 +98,9 @@ def residual_statistics(
     profile = max(_take_out_profile(noise, count, found[1], limits.profile_bin_blurs) - 3, 0)
     for k in range(count):
         before[k] -= noise[k]
-    row[PROFILE] = sqrt(_square(before) / count) / max(abs(row[STATE] - row[STATE + 3]), TINY)
+    row[PROFILE] = sqrt(total_of_products(before, before) / count) / max(
+        abs(row[STATE] - row[STATE + 3]), TINY
+    )
     freedom = len(noise) - determined - max(arcs - limits.min_arcs + 1, 0) - profile
     # Clipping cuts the noise off: such a side does not show how much of it the edge has.
     for k in range(count, len(noise)):
@@ -106,7 +109,7 @@ def residual_statistics(
             freedom -= 1.0
     if freedom < PARAMETERS:
         return False
-    row[VARIANCE] = _square(noise) / freedom
+    row[VARIANCE] = total_of_products(noise, noise) / freedom
     return True
 
 
@@ -118,12 +121,13 @@ def _arcs(
     place = np.empty(len(around), dtype=np.int32)
     for k in range(len(around)):
         place[k] = min(int(around[k] * arcs), arcs - 1)
-    weight, moved = np.zeros(arcs), np.zeros(arcs)
+    # Neighbours lie in one arc mostly: sums of even and of odd pixels do not wait for each other.
+    weight, moved = np.zeros((2, arcs)), np.zeros((2, arcs))
     for k in range(len(around)):
-        arc = place[k]
-        weight[arc] += along[k] * along[k]
-        moved[arc] += along[k] * residual[k]
-    return moved / np.maximum(weight, TINY), place
+        arc, half = place[k], k & 1
+        weight[half, arc] += along[k] * along[k]
+        moved[half, arc] += along[k] * residual[k]
+    return (moved[0] + moved[1]) / np.maximum(weight[0] + weight[1], TINY), place
 
 
 @compiled
@@ -133,34 +137,28 @@ def _take_out_profile(noise: np.ndarray, edge: int, blurs_away: np.ndarray, widt
     Pixels behind those of the edge are flat: as far from it as any, on either side.
     """
     last, scale = int(2.0 * FAR / width), 1.0 / width
-    total, number = np.zeros(last + 1), np.zeros(last + 1)
-    place = np.empty(len(noise), dtype=np.int32)
+    sums, number = np.zeros(last + 1), np.zeros(last + 1)
+    place = np.empty(edge, dtype=np.int32)
     for k in range(edge):
         place[k] = min(int((blurs_away[k] + FAR) * scale), last)
-    for k in range(edge, len(noise)):
-        place[k] = 0 if blurs_away[k] < 0.0 else last
-    for k in range(len(noise)):
-        total[place[k]] += noise[k]
+    for k in range(edge):
+        sums[place[k]] += noise[k]
         number[place[k]] += 1.0
-    mean = total / np.maximum(number, 1.0)
-    for k in range(len(noise)):
+    flat, of_dot, inside = noise[edge:], blurs_away[edge:] < 0.0, 0
+    of_either = np.empty((2, len(flat)))
+    for k in range(len(flat)):
+        of_either[0, k], of_either[1, k] = (flat[k], 0.0) if of_dot[k] else (0.0, flat[k])
+        inside += of_dot[k]
+    sums[0] += total(of_either[0])
+    sums[last] += total(of_either[1])
+    number[0] += inside
+    number[last] += len(flat) - inside
+    mean = sums / np.maximum(number, 1.0)
+    for k in range(edge):
         noise[k] -= mean[place[k]]
+    for k in range(len(flat)):
+        flat[k] -= mean[0] if of_dot[k] else mean[last]
     return int((number > 0.0).sum())
-
-
-@compiled
-def _square(values: np.ndarray) -> float:
-    """Return the sum of the squares, of every fourth number apart: one sum would wait for each addition."""
-    first, second, third, fourth = 0.0, 0.0, 0.0, 0.0
-    whole = len(values) - len(values) % 4
-    for k in range(0, whole, 4):
-        first += values[k] * values[k]
-        second += values[k + 1] * values[k + 1]
-        third += values[k + 2] * values[k + 2]
-        fourth += values[k + 3] * values[k + 3]
-    for k in range(whole, len(values)):
-        first += values[k] * values[k]
-    return (first + second) + (third + fourth)
 
 
 @compiled

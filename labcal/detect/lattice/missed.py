@@ -89,7 +89,7 @@ def _consistent(lattice: Lattice, outlines: Outlines, first: int, settings: Grid
 
 def _beside(lattice: Lattice, numbering: AnyNumbering, target: DotGrid, gap: int) -> list[Node]:
     """Return the empty nodes of the declared grid next to the lattice's, or beyond a gap."""
-    if sum(target.holds(col, row) for col, row in numbering.indices(lattice.nodes).tolist()) == target.count:
+    if int(target.holds_each(numbering.indices(lattice.nodes)).sum()) == target.count:
         return []
     span = range(-gap, gap + 1)
     beside = {(a + i, b + j) for a, b in lattice.spots for i in span for j in span} - lattice.spots.keys()

@@ -66,7 +66,8 @@ def predict(
     if not np.isfinite(min(rough, perspective)):
         return False
     chosen = projective if perspective < rough else smooth
-    prediction[:] = chosen
+    for k in range(PREDICTION):
+        prediction[k] = chosen[k]
     return True
 
 
@@ -118,10 +119,10 @@ def _polynomial(near: np.ndarray, use: np.ndarray, prediction: np.ndarray) -> fl
                 normal[i, j] += row[i] * row[j]
     for i in range(_TERMS):
         if not use[i]:
-            normal[i, :] = 0.0
-            normal[:, i] = 0.0
+            for j in range(_TERMS):
+                normal[i, j] = normal[j, i] = 0.0
             normal[i, i] = 1.0
-            right[:, i] = 0.0
+            right[0, i] = right[1, i] = 0.0
     if not factorise(normal, _TERMS, _SINGULAR):
         return np.inf
     for side in range(2):
@@ -155,8 +156,13 @@ def _projective(near: np.ndarray, min_depth: float, prediction: np.ndarray) -> f
     """Fit a homography; return the mean square of what is left a degree of freedom, infinite if none."""
     n = 8
     normal, right = np.zeros((n, n)), np.zeros(n)
-    middle_x, middle_y = near[:, 2].mean(), near[:, 3].mean()
-    size = sqrt(((near[:, 2] - middle_x) ** 2 + (near[:, 3] - middle_y) ** 2).mean())
+    middle_x = middle_y = squares = 0.0
+    for k in range(len(near)):
+        middle_x, middle_y = middle_x + near[k, 2], middle_y + near[k, 3]
+    middle_x, middle_y = middle_x / len(near), middle_y / len(near)
+    for k in range(len(near)):
+        squares += (near[k, 2] - middle_x) ** 2 + (near[k, 3] - middle_y) ** 2
+    size = sqrt(squares / len(near))
     _add_projective(near, (middle_x, middle_y, size), normal, right)
     if not factorise(normal, n, _SINGULAR):
         return np.inf
@@ -204,7 +210,9 @@ def _add_projective(
                 normal[6 + i, plane + j] -= y * row[1 + i] * row[j]
             for j in range(i + 1):
                 normal[6 + i, 6 + j] += square * row[1 + i] * row[1 + j]
-    normal[plane : 2 * plane, plane : 2 * plane] = normal[:plane, :plane]
+    for i in range(plane):
+        for j in range(plane):
+            normal[plane + i, plane + j] = normal[i, j]
 
 
 @compiled

@@ -198,3 +198,10 @@ class CornerSettings(StageSettings):
         lt=0.5,
         description="Most distance of a corner without markers from its prediction. Larger: more wrong ones.",
     )
+    clipped_value_share: float = Field(
+        0.002,
+        ge=0,
+        lt=1,
+        description="A picture is clipped where more of its pixels share the largest value. Larger: fewer "
+        "are.",
+    )

@@ -15,15 +15,18 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import DotImages, dot_images
 from labcal.cameras.field import FallOff
 from labcal.geometry.poses import transform
+from labcal.render.bands import ROWS, strips
 from labcal.render.development import develop
+from labcal.render.film import CELLS_AT_ONCE
+from labcal.render.point_spread import cells, finer, gathered, reach
 from labcal.render.sensor_response import Shot, exposure_for, read_sensor
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry, PictureFormat, Stage
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.grid import DotGrid, Polarity
 
-_FINER = 4
-"""Steps of a pixel in which outlines are filled."""
+_RAYS = 256
+"""Rays of a traced pixel whose film is as fine as what is drawn."""
 BACKGROUND = 0.3
 """Reflectance behind the board."""
 _CELLS = 32
@@ -71,23 +74,31 @@ def drawn_view(
     images = dot_images(camera, T_world_target, target.points(), 0.5 * target.outer_diameters_mm())
     edge = camera.project(transform(T_world_target, board_edge(target)))
     corner, end = cut_out(camera, edge.q[edge.ok])
-    share = np.zeros((end - corner)[::-1], dtype=np.float32)
-    for outline in images.outline[images.ok]:
-        _fill(share, outline - corner, 1.0)
+    outlines = [(images.outline[images.ok], 1.0)]
     if target.ring_indices:
         key = np.array([row * target.cols + col for col, row in target.ring_indices])
         inner = np.full(len(key), 0.5 * float(target.ring_inner_diameter_mm or 0.0))
         holes = dot_images(camera, T_world_target, target.points()[key], inner)
-        for outline in holes.outline[holes.ok]:
-            _fill(share, outline - corner, -1.0)
-    sheet = np.zeros(share.shape, dtype=np.float32)
-    cv2.fillPoly(sheet, [np.rint(edge.q[edge.ok] - corner).astype(np.int32)], 1.0)
+        outlines.append((holes.outline[holes.ok], -1.0))
     paper, ink = Board().light[0], Board().dark[0]
     if target.polarity is Polarity.WHITE_ON_BLACK:
         paper, ink = ink, paper
-    light = BACKGROUND + sheet * (paper - BACKGROUND) + share * (ink - paper)
+    (width, height), blur_px = (end - corner).tolist(), photometry.blur_px
+    cells_a_pixel = finer(blur_px, _RAYS)
+    light = np.empty((height, width), dtype=np.float32)
+    for own, wide in strips(height, max(ROWS, CELLS_AT_ONCE // (width * cells_a_pixel**2)), reach(blur_px)):
+        rows = wide.stop - wide.start
+        fine = np.full((cells_a_pixel * rows, cells_a_pixel * width), BACKGROUND, dtype=np.float32)
+        first = corner + np.array([0, wide.start])
+        sheet = np.rint(cells_a_pixel * (edge.q[edge.ok] - first + 0.5) - 0.5)
+        cv2.fillPoly(fine, [sheet.astype(np.int32)], paper)
+        for some, times in outlines:
+            for outline in some:
+                _fill(fine, cells_a_pixel * (outline - first + 0.5) - 0.5, times * (ink - paper))
+        seen = gathered(cells(fine, cells_a_pixel), blur_px)
+        light[own] = seen[own.start - wide.start : own.stop - wide.start]
     light *= relative_light(camera, photometry, corner, end)
-    return DrawnView(taken_picture(light.astype(np.float32), photometry, shot), corner, images)
+    return DrawnView(taken_picture(light, photometry, shot), corner, images)
 
 
 def relative_light(
@@ -147,13 +158,13 @@ def board_edge(target: AnyTarget) -> np.ndarray:
     return np.concatenate([flat, np.zeros((len(flat), 1))], axis=1)
 
 
-def _fill(share: np.ndarray, outline: Pixels, times: float) -> None:
-    """Add the share of each pixel that is inside an outline, where that is in the picture.
+def _fill(light: np.ndarray, outline: Pixels, contrast: float) -> None:
+    """Add light to cells by the share of each that is inside an outline, where that is among them.
 
-    The outline is given as its distance from its middle by the angle. Near it the distance of a point from
-    it, across the outline, tells how much of a fine step is covered.
+    The outline is given as its distance from its middle by the angle. Near it the distance of a cell's middle
+    from it, across the outline, tells how much of the cell is covered.
     """
-    height, width = share.shape
+    height, width = light.shape
     low = np.maximum(np.floor(outline.min(axis=0)).astype(int) - 1, 0)
     high = np.minimum(np.ceil(outline.max(axis=0)).astype(int) + 2, [width, height])
     if (high <= low).any():
@@ -163,20 +174,25 @@ def _fill(share: np.ndarray, outline: Pixels, times: float) -> None:
     angle, radius = np.arctan2(away[:, 1], away[:, 0]), np.hypot(away[:, 0], away[:, 1])
     order = np.argsort(angle)
     angle, radius = angle[order], radius[order]
-    x, y = (
-        (np.arange(_FINER * (last - first)) + 0.5) / _FINER - 0.5 + first - centre
-        for first, last, centre in zip(low, high, middle, strict=True)
-    )
+    x, y = (np.arange(first, last) - centre for first, last, centre in zip(low, high, middle, strict=True))
     at, distance = np.arctan2(y[:, None], x), np.hypot(x, y[:, None])
-    reach = np.interp(at, angle, radius, period=2.0 * np.pi)
+    reach_of = np.interp(at, angle, radius, period=2.0 * np.pi)
     slope = np.interp(at, angle, np.gradient(radius, angle) / radius, period=2.0 * np.pi)
-    inside = np.clip(0.5 + _FINER * (reach - distance) / np.hypot(1.0, slope), 0.0, 1.0)
-    covered = inside.reshape(high[1] - low[1], _FINER, high[0] - low[0], _FINER).mean(axis=(1, 3))
-    share[low[1] : high[1], low[0] : high[0]] += (times * covered).astype(np.float32)
+    covered = np.clip(0.5 + (reach_of - distance) / np.hypot(1.0, slope), 0.0, 1.0)
+    light[low[1] : high[1], low[0] : high[0]] += (contrast * covered).astype(np.float32)
 
 
 def taken_picture(light: np.ndarray, photometry: Photometry, shot: Shot) -> np.ndarray:
-    """Return the picture that a camera delivers of radiance (h, w), as it is read from its file."""
+    """Return the picture that a camera delivers, as it is read from its file.
+
+    Parameters
+    ----------
+    light : ndarray, shape (h, w)
+        Radiance that each pixel gathers, behind the point spread of the lens.
+    photometry : Photometry
+    shot : Shot
+        For which noise is drawn.
+    """
     behind = np.repeat(light[..., None], 3, axis=-1) if photometry.bayer else light
     exposure = exposure_for(photometry, np.array(Board().light))
     codes = read_sensor(behind, photometry, exposure, shot)

@@ -7,6 +7,7 @@ from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.geometry.poses import transform
 from labcal.guide.rehearsal.drawn_view import BACKGROUND, board_edge, cut_out, relative_light, taken_picture
+from labcal.render.point_spread import cells, gathered
 from labcal.render.sensor_response import Shot
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry
@@ -15,6 +16,8 @@ from labcal.targets.polygons import print_polygons
 
 _FINER = 8
 """Steps of a pixel in which outlines are filled."""
+_CELLS = 4
+"""Cells along a side of a pixel, which a lens blurs."""
 _SHIFT = 6
 """Bits of a fraction of such a step."""
 _PIECE_PX = 2.0
@@ -55,13 +58,15 @@ def drawn_print(
             place = ((image.q - corner + 0.5) * _FINER - 0.5) * 2**_SHIFT
             parts.append(np.rint(place).astype(np.int32))
     cv2.fillPoly(fine, parts, 255, lineType=cv2.LINE_8, shift=_SHIFT)
-    share = cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA).astype(np.float32) / 255.0
-    sheet = np.zeros(share.shape, dtype=np.float32)
-    cv2.fillPoly(sheet, [np.rint(edge.q[edge.ok] - corner).astype(np.int32)], 1.0)
+    size = (_CELLS * width, _CELLS * height)
+    share = cv2.resize(fine, size, interpolation=cv2.INTER_AREA).astype(np.float32) / np.float32(255.0)
     paper, ink = Board().light[0], Board().dark[0]
-    light = BACKGROUND + sheet * (paper - BACKGROUND) + share * (ink - paper)
-    light *= relative_light(camera, photometry, corner, end)
-    return taken_picture(light.astype(np.float32), photometry, shot), corner
+    light = np.full(share.shape, BACKGROUND, dtype=np.float32)
+    cv2.fillPoly(light, [np.rint(_CELLS * (edge.q[edge.ok] - corner + 0.5) - 0.5).astype(np.int32)], paper)
+    light += share * np.float32(ink - paper)
+    seen = gathered(cells(light, _CELLS), photometry.blur_px)
+    seen *= relative_light(camera, photometry, corner, end)
+    return taken_picture(seen, photometry, shot), corner
 
 
 def _polygons(target: AnyTarget, piece_mm: float) -> list[np.ndarray]:

@@ -11,7 +11,7 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images
 from labcal.correspond.sources import Source
 from labcal.errors import InputError
-from labcal.guide.twin.dot_windows import BlurredShare, DotWindows, Windows, blurred, dot_windows
+from labcal.guide.twin.dot_windows import BlurredShare, DotWindows, Windows, dot_windows
 from labcal.guide.twin.jpeg_coding import JpegCoding
 from labcal.guide.twin.known_print import KnownPrint
 from labcal.guide.twin.light import PictureLight, fitted_light
@@ -165,7 +165,7 @@ class RenderedAgain:
         random : numpy.random.Generator
         """
         rough = self.made.rough
-        share = blurred(rough[1 + number], self.blur_px) if rough else self.behind.share
+        share = rough[1 + number].behind(self.blur_px) if rough else self.behind.share
         channels = []
         sharp = self._delivered([of.image(share) for of in self.light])
         for light, noise in zip(sharp, self.noise, strict=True):

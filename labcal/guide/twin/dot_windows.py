@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int64
 
 from labcal.guide.twin.light import PictureLight
+from labcal.render.paper_share import SharpShare
 
 CAUSES = ("light", "place", "blur", "size")
 """In the order in which they are subtracted."""
@@ -65,19 +65,13 @@ class BlurredShare:
     by_y: Float32[np.ndarray, "h w"]
 
     @classmethod
-    def of(cls, sharp: Float32[np.ndarray, "h w"], blur_px: float) -> "BlurredShare":
+    def of(cls, sharp: SharpShare, blur_px: float) -> "BlurredShare":
         """Return a sharp share behind a blur, a Gauss function with that standard deviation."""
-        share = blurred(sharp, blur_px)
-        more, less = blurred(sharp, blur_px + _STEP_PX), blurred(sharp, max(blur_px - _STEP_PX, 1e-3))
+        share = sharp.behind(blur_px)
+        more, less = sharp.behind(blur_px + _STEP_PX), sharp.behind(max(blur_px - _STEP_PX, 1e-3))
         step = _STEP_PX + min(_STEP_PX, blur_px - 1e-3)
         by_y, by_x = np.gradient(share)
         return cls(share, (more - less) / np.float32(step), by_x, by_y)
-
-
-def blurred(sharp: Float32[np.ndarray, "h w"], blur_px: float) -> Float32[np.ndarray, "h w"]:
-    """Return a picture behind a Gauss function."""
-    half = max(1, int(np.ceil(5.0 * blur_px)))
-    return np.asarray(cv2.GaussianBlur(sharp, (2 * half + 1, 2 * half + 1), blur_px))
 
 
 def dot_windows(

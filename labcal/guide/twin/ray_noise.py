@@ -13,8 +13,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from labcal.errors import LabcalError
-from labcal.guide.twin.dot_windows import blurred
-from labcal.render.paper_share import PaperShare
+from labcal.render.paper_share import PaperShare, SharpShare
 from labcal.run.made import PROVENANCE
 from labcal.scene.lamp_choice import lamp_choice_variance
 from labcal.scene.model import Scene
@@ -66,14 +65,20 @@ def with_lamps(made: PaperShare, variance: float, random: np.random.Generator) -
 
     Notes
     -----
-    In a pixel of paper rays choose lamps evenly. Of a share s they are as good as drawn at random without
+    In a cell of paper rays choose lamps evenly. Of a share s they are as good as drawn at random without
     putting back: the variance is s (1 - s) times that at random.
     """
     if variance <= 0.0:
         return made
-    sigma = np.sqrt(np.float32(variance) * made.share * (np.float32(1.0) - made.share))
-    noisy = [one + sigma * random.standard_normal(one.shape, dtype=np.float32) for one in made.rough]
-    return replace(made, rough=tuple(noisy))
+    return replace(made, rough=tuple(_lit(one, made.share, variance, random) for one in made.rough))
+
+
+def _lit(rough: SharpShare, share: SharpShare, variance: float, random: np.random.Generator) -> SharpShare:
+    """Return a rough share with the noise of lamps in its cells."""
+    of_a_cell = np.float32(variance * rough.cells.finer**2)
+    sigma = np.sqrt(of_a_cell * _partly(share, rough.cells.finer))
+    light = rough.cells.light + sigma * random.standard_normal(sigma.shape, dtype=np.float32)
+    return SharpShare.of(rough.pixels, rough.at, replace(rough.cells, light=light))
 
 
 def ray_variance(made: PaperShare, blur_px: float) -> Float32[np.ndarray, "h w"]:
@@ -87,14 +92,21 @@ def ray_variance(made: PaperShare, blur_px: float) -> Float32[np.ndarray, "h w"]
 
     Notes
     -----
-    Rays are independent from pixel to pixel, so that the variance behind a blur is a constant times the edges
-    behind the square of the blur's weights; the rough share tells the constant.
+    Rays are independent from cell to cell, so that the variance behind a blur is a constant times the cells
+    at edges behind the square of the blur's weights; the rough share tells the constant.
     """
     if not made.rough:
-        return np.zeros_like(made.share)
-    off = blurred(made.rough[0], blur_px) - blurred(made.share, blur_px)
-    partly = made.edges & (made.share > 0.0) & (made.share < 1.0)
-    near = blurred(partly.astype(np.float32), max(blur_px / np.sqrt(2.0), 0.1))
+        return np.zeros_like(made.share.pixels)
+    rough = made.rough[0]
+    off = rough.behind(blur_px) - made.share.behind(blur_px)
+    partly = _partly(made.share, rough.cells.finer) > 0.0
+    near = rough.variance_behind(partly.astype(np.float32), blur_px)
     total = float(near.sum())
     level = float((off.astype(np.float64) ** 2).sum()) / total if total > 0.0 else 0.0
     return np.asarray(near * np.float32(level))
+
+
+def _partly(share: SharpShare, finer: int) -> Float32[np.ndarray, "n k k"]:
+    """Return s (1 - s) of the shares s in cells; 0 where no ray tells the share."""
+    of_cells = share.of_cells(finer)
+    return np.asarray(np.nan_to_num(of_cells * (np.float32(1.0) - of_cells)))

@@ -53,3 +53,16 @@ def test_a_folder_of_two_cameras_is_never_taken_for_one(tmp_path: Path) -> None:
     assert [one.name for one in alone.describe()] == ["left", "right"]
     with pytest.raises(InputError, match="left, right"):
         source_at(Address("folder", str(tmp_path), "both"), settings).open()
+
+
+def test_a_folder_that_may_be_of_two_cameras_is_asked_about(tmp_path: Path) -> None:
+    for number in (*range(31, 35), *range(977, 981)):
+        write_picture(tmp_path / f"GOPR{number:04d}.png", np.zeros((24, 32), np.uint8))
+    with pytest.raises(InputError, match="taken as of one camera, but their numbers are in 2 rows far apart"):
+        source_at(Address("folder", str(tmp_path)), SourceSettings()).open()
+    for source in (
+        source_at(Address("folder", str(tmp_path)), SourceSettings(cameras="*=camera")),
+        source_at(Address("folder", str(tmp_path), "left"), SourceSettings()),
+    ):
+        source.open()
+        assert len(source.describe()) == 1

@@ -1,10 +1,13 @@
 import itertools
+import re
 from pathlib import Path
 
 import pytest
 
 from labcal.correspond.name_patterns import view_in
 from labcal.correspond.named_cameras import named_cameras
+from labcal.correspond.one_camera import doubts
+from labcal.correspond.picture_set import open_pictures
 from labcal.correspond.sources import loose_source, loose_sources, parse_camera_endings
 from labcal.errors import InputError
 
@@ -50,6 +53,15 @@ PAIRED = {
         "1/*=cam1,2/*=cam2,3/*=cam3,4/*=cam4",
     ),
     "one picture lost": (crossed("{n:04d}_{c}.png", ("0", "1"))[:-1], "_0=cam0,_1=cam1"),
+    "a glued digit at the end": (crossed("{n}{c}.png", ("1", "2"), 8), "1=cam1,2=cam2"),
+    "a glued digit in front": (crossed("cam{c}{n:02d}.png", ("0", "1"), 8), "cam0*=cam0,cam1*=cam1"),
+    "a glued digit within": (crossed("shot{n:02d}{c}_x.png", ("0", "1")), "shot*0_x=cam0,shot*1_x=cam1"),
+    "three glued digits": (crossed("c{c}{n:02d}.png", ("1", "2", "3")), "c1*=cam1,c2*=cam2,c3*=cam3"),
+    "folders without letters": (crossed("{c}/{n:02d}.png", ("左", "右")), "右/*=cam1,左/*=cam2"),
+    "stamps and a digit": (
+        crossed("17000000{n:02d}123_{c}.png", ("0", "1")),
+        "_0=cam0,_1=cam1",
+    ),
     "right ones lost": (crossed("{c}{n:02d}.png", ("left", "right"))[:-3], "left*=left,right*=right"),
 }
 
@@ -79,8 +91,104 @@ ONE_CAMERA = {
     "near and far": [*(f"near{n}.png" for n in range(4)), *(f"far{n}.png" for n in range(3))],
     "milliseconds": [f"{1732615200123 + 517 * n}.png" for n in range(9)],
     "odd paths": ["/", "", ".", "..", "a" * 5000, "7" * 5000, f"{'7' * 5000}_2", "7_1"],
+    "hundreds": [f"{n}.png" for n in range(100, 300)],
+    "every fifth": [f"frame{n:04d}.png" for n in range(0, 200, 5)],
+    "rows and columns": [f"{row}{col}.png" for row in (1, 2, 3) for col in range(1, 9)],
+    "nights": [f"2026050{3 + n // 5}_{1400 + 7 * n}.png" for n in range(10)],
     "none": [],
 }
+
+IN_ORDER = {
+    "serials and moments": (
+        "Basler_{c}_20260503_14{n:02d}{m:03d}.tiff",
+        ("23751808", "23751811"),
+        "cam23751808=DIR/Basler_23751808_20260503_*.tiff,cam23751811=DIR/Basler_23751811_20260503_*.tiff",
+    ),
+    "sides and moments": (
+        "{c}_14{n:02d}{m:03d}.png",
+        ("left", "right"),
+        "left=DIR/left_*.png,right=DIR/right_*.png",
+    ),
+    "digits and moments": ("14{n:02d}{m:03d}_{c}.png", ("1", "2"), "cam1=DIR/*_1.png,cam2=DIR/*_2.png"),
+    "words and moments": ("{c}-14{n:02d}{m:03d}.png", ("low", "top"), "low=DIR/low-*.png,top=DIR/top-*.png"),
+    "folders and moments": (
+        "{c}/data/14{n:02d}{m:03d}.png",
+        ("cam0", "cam1"),
+        "cam0=DIR/cam0/data/,cam1=DIR/cam1/data/",
+    ),
+    "sides that count on": ("{c}/DSC_{k:04d}.JPG", ("left", "right"), "left=DIR/left/,right=DIR/right/"),
+}
+
+
+@pytest.mark.parametrize("names", IN_ORDER)
+def test_pictures_of_unlike_moments_pair_up_in_their_order(names: str, tmp_path: Path) -> None:
+    pattern, cameras, option = IN_ORDER[names]
+    for index, (camera, view) in enumerate(itertools.product(cameras, range(6))):
+        moment = 100 + (37 * index) % 40
+        path = tmp_path / pattern.format(c=camera, n=2 * view, m=moment, k=230 + 9 * index)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    option = option.replace("DIR", str(tmp_path))
+    with pytest.raises(InputError, match=re.escape(f"`cameras='{option}'`")):
+        open_pictures(tmp_path)
+    sources = open_pictures(tmp_path, option).sources
+    assert len({source.view for source in sources}) == 6
+    assert len({source.camera for source in sources}) == 2
+    assert all(len(list(two)) == 2 for _, two in itertools.groupby(sources, lambda one: one.view))
+
+
+DOUBTED = {
+    "two in one folder": [f"GOPR{n:04d}.JPG" for n in (*range(31, 38), *range(977, 984))],
+    "one picture lost": [f"GOPR{n:04d}.JPG" for n in (*range(31, 38), *range(977, 980), *range(981, 985))],
+    "two kinds of names": [
+        f"{kind}{n:05d}.JPG" for kind in ("IMG_", "DSC") for n in range(31, 36 + len(kind))
+    ],
+    "folders that count on": [f"GoPro{n // 7}/GX{31 + n + 900 * (n // 7)}.JPG" for n in range(14)],
+    "folders of unlike counts": [f"{'ab'[n > 5]}/{31 + n + 900 * (n > 5)}.JPG" for n in range(14)],
+}
+
+
+@pytest.mark.parametrize("names", DOUBTED)
+def test_what_is_taken_as_one_camera_in_doubt_is_said(names: str, tmp_path: Path) -> None:
+    for name in DOUBTED[names]:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    opened = open_pictures(tmp_path)
+    (warning,) = opened.warnings
+    assert warning.startswith(f"{len(opened.sources)} pictures are taken as of one camera")
+    assert open_pictures(tmp_path, "*=camera").warnings == ()
+
+
+@pytest.mark.parametrize("names", [name for name in ONE_CAMERA if name not in ("odd paths", "near and far")])
+def test_pictures_of_one_camera_raise_no_doubt(names: str) -> None:
+    assert doubts(ONE_CAMERA[names]) is None
+
+
+def test_numbers_of_any_length_are_names() -> None:
+    long = "7" * 5000
+    assert named_cameras([f"{long}{view}{camera}.png" for view in range(8) for camera in (1, 2)]) is None
+    assert named_cameras([f"{camera}{long}_{view}.png" for view in range(8) for camera in (1, 2)]) is not None
+
+
+def test_frames_are_in_the_order_of_their_numbers(tmp_path: Path) -> None:
+    for camera, start in (("a", 95), ("b", 3)):
+        (tmp_path / camera).mkdir()
+        for n in range(8):
+            (tmp_path / camera / f"frame{start + n}.png").touch()
+    sources = open_pictures(tmp_path, f"a={tmp_path}/a/,b={tmp_path}/b/").sources
+    pairs = [
+        (Path(one.image).stem, Path(two.image).stem)
+        for one, two in zip(sources[::2], sources[1::2], strict=True)
+    ]
+    assert pairs == [(f"frame{95 + n}", f"frame{3 + n}") for n in range(8)]
+
+
+def test_one_view_in_folders_of_cameras_is_told(tmp_path: Path) -> None:
+    for camera in ("left", "right"):
+        (tmp_path / camera).mkdir()
+        (tmp_path / camera / "0.png").touch()
+    with pytest.raises(InputError, match=re.escape("`cameras='left/*=left,right/*=right'`")):
+        open_pictures(tmp_path)
 
 
 @pytest.mark.parametrize("names", PAIRED)

@@ -230,3 +230,16 @@ def test_torn_corners_are_told_from_too_few_by_their_own_flags() -> None:
     torn = Corners(index, places + np.array([0.0, 40.0]), [None] * len(index))
     dots = picture_corners(torn, grey, None, DetectSettings())
     assert refused_as_few(dots, torn.index, "").refusal is Refusal.TORN_CORNERS
+
+
+def test_a_first_id_that_is_a_row_off_is_told() -> None:
+    tall = AprilGrid(kind="aprilgrid", name="tall", tag_cols=3, tag_rows=3, tag_mm=10.0, tag_spacing=0.3)
+    print_ = tall.model_copy(update={"first_id": 6})
+    grey = picture(exposure(tag=26.0), grid=print_)
+    for first in (3, 9):
+        dots = detect_dots(grey, tall.model_copy(update={"first_id": first}))
+        assert dots.refusal is Refusal.OTHER_IDS
+        assert "They fit the grid with first_id: 6." in dots.detail
+    assert detect_dots(grey, print_).refusal is None
+    shorter = tall.model_copy(update={"first_id": 6, "tag_rows": 2})  # a print may have more rows
+    assert detect_dots(grey, shorter).refusal is None

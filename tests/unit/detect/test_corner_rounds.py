@@ -1,5 +1,7 @@
 """Fits of all corners of a board in one call, the tables that they take, and their errors."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import erf
@@ -7,15 +9,20 @@ from scipy.special import erf
 from labcal.bench.boards.board_view import axes_at
 from labcal.bench.boards.chessboard_picture import PLAIN, _ink
 from labcal.bench.marks.drawn_picture import Exposure, drawn, tilted
+from labcal.detect.corners.corner_chunks import CHUNK
 from labcal.detect.corners.corner_fit import SettledCorner, fit_corners, judge, judge_all
 from labcal.detect.corners.corner_kernel import (
+    CHESSBOARD,
     LIGHT_KNOWN,
     PARAMETERS,
-    ROWS,
+    WEDGE,
     FitLimits,
+    pattern_values,
     settled_with,
     take_known_light,
 )
+from labcal.detect.corners.corner_pixels import PackedCorner
+from labcal.detect.corners.corner_rows import ROWS
 from labcal.detect.corners.corner_window import Places
 from labcal.detect.corners.edge_profile import edge_profile
 from labcal.detect.corners.saddle_strength import saddle_strength, strongest_places
@@ -34,7 +41,7 @@ def fits() -> list[SettledCorner]:
     centre = how.seen(index.astype(np.float64)) + 0.3
     axes = np.array([axes_at(how, place.astype(np.float64)) for place in index])
     white = np.where(PLAIN.is_black(index[:, 0] + 1, index[:, 1] + 1), -1.0, 1.0)
-    limits = np.stack([white, *np.tile([[1.0], [1.0], [6.2], [0.45]], 9)], axis=1)
+    limits = np.stack([white, *np.tile([[1.0], [1.0], [6.2], [0.45], [np.inf]], 9)], axis=1)
     places = Places(centre, axes, np.zeros((9, 2)), limits)
     together = fit_corners(grey, places, DEFAULTS.corner)
     for k, fit in enumerate(together):
@@ -52,6 +59,34 @@ def test_the_profile_of_an_edge_is_right_to_a_millionth_of_a_millionth() -> None
     np.testing.assert_allclose(profile, erf(places / np.sqrt(2.0)), rtol=0.0, atol=1e-12)
     expected = np.sqrt(2.0 / np.pi) * np.exp(-0.5 * places**2)
     np.testing.assert_allclose(slope, expected, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("pattern", [CHESSBOARD, WEDGE])
+@pytest.mark.parametrize("correlation", [0.0, -0.3, 0.9])
+def test_a_pixel_of_many_chunks_shows_what_it_shows_alone(pattern: int, correlation: float) -> None:
+    u = np.random.default_rng(1).uniform(-9.0, 9.0, (2, 2 * CHUNK + 5))
+    together = pattern_values(u, correlation, np.array([4.0, 5.0]), pattern)
+    for k in range(0, u.shape[1], 7):
+        alone = pattern_values(u[:, k : k + 1].copy(), correlation, np.array([4.0, 5.0]), pattern)
+        assert together[k] == alone[0]
+
+
+def test_far_from_the_other_edge_the_pattern_is_the_profile_of_one() -> None:
+    u = np.array([np.linspace(-7.9, 7.9, 300), np.full(300, 7.5)])
+    expected = erf(u[0] / np.sqrt(2.0))
+    found = pattern_values(u, 0.2, np.full(2, 99.0), CHESSBOARD)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9)
+
+
+def test_pixels_that_are_taken_out_later_give_the_same_uncertainty(fits: list[SettledCorner]) -> None:
+    assert all(isinstance(fit.pixels, PackedCorner) for fit in fits)
+    unpacked = [replace(fit, pixels=fit.window) for fit in fits]
+    both = judge_all([*unpacked[:5], *fits[5:]], DEFAULTS.corner)
+    for one, other in zip(judge_all(fits, DEFAULTS.corner), both, strict=True):
+        assert one is not None
+        assert other is not None
+        np.testing.assert_array_equal(one.covariance, other.covariance)
+        np.testing.assert_array_equal(one.sums, other.sums)
 
 
 def test_fits_are_judged_together_as_each_alone(fits: list[SettledCorner]) -> None:

@@ -10,6 +10,7 @@ from labcal.detect.corners.corner_judgement import JudgementLimits, judged_rows,
 from labcal.detect.corners.printed_kernel import FREE, ROWS, PrintLines, empty_rows, fill_printed
 from labcal.detect.corners.printed_lines import line_derivatives
 from labcal.detect.corners.printed_place import LocalMap
+from labcal.detect.row_products import filled_up
 from labcal.detect.stage_settings.corner import CornerSettings
 
 SQUARE_PX = 20.0
@@ -84,7 +85,7 @@ def test_pixels_far_from_all_edges_tell_levels_alone() -> None:
 
 def test_the_error_of_a_place_is_that_of_its_covariance() -> None:
     random = np.random.default_rng(4)
-    table, limits = np.zeros((ROWS, 300)), CornerSettings().limits(JudgementLimits)
+    table, limits = np.zeros((ROWS, filled_up(298))), CornerSettings().limits(JudgementLimits)
     table[: FREE + 1, :298] = random.normal(size=(FREE + 1, 298))
     board, away, mask = (
         random.uniform(-1.0, 1.0, 298),

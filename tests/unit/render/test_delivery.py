@@ -54,7 +54,7 @@ def test_an_exr_holds_linear_light_without_noise_and_its_texts(tmp_path: Path, b
     photometry = Photometry(bayer=bayer, format="exr", prnu=0.1)
     picture = delivered(tmp_path, photometry)
     assert picture.dtype == np.float32
-    np.testing.assert_array_equal(picture, expose(LIGHT if bayer else LIGHT[..., 1], photometry, EXPOSURE))
+    np.testing.assert_array_equal(picture, expose(LIGHT if bayer else LIGHT[..., 1], EXPOSURE))
     assert read_exr_texts(tmp_path / "first.exr") == {"labcal:note": "ä"}
 
 

@@ -103,7 +103,7 @@ def test_grey_centroids_of_a_moving_board_lie_on_the_true_ones(
 
 
 def test_a_moving_board_is_smeared_along_its_movement_alone() -> None:
-    scene = moving_scene("motion.velocity_mm_s=[2000, 0, 0]", "spp=16")
+    scene = moving_scene("motion.velocity_mm_s=[2000, 0, 0]", "spp=16", "photometry.blur_px=0")
     sharp, smeared = rendered(scene, left_take(scene, 0.0), left_take(scene, 0.01))
     across, along = (np.abs(np.diff(sharp, axis=axis)).max() for axis in (0, 1))
     assert np.abs(np.diff(smeared[60:180, 90:240], axis=1)).max() < 0.5 * along
@@ -111,7 +111,13 @@ def test_a_moving_board_is_smeared_along_its_movement_alone() -> None:
 
 
 def test_the_rays_are_shared_among_the_subframes(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = moving_scene("motion.velocity_mm_s=[600, 0, 0]", "spp=64", "shutter=rolling", "readout_ms=30")
+    scene = moving_scene(
+        "motion.velocity_mm_s=[600, 0, 0]",
+        "spp=64",
+        "shutter=rolling",
+        "readout_ms=30",
+        "photometry.blur_px=0",
+    )
     take = left_take(scene, 0.01)
     frames = subframes(take, SPARSE)
     height = take.device.size[1]

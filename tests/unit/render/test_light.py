@@ -17,7 +17,7 @@ from labcal.scene.views import planned_views
 
 SMALL = (
     "cameras.left.size=[40, 30]", "cameras.left.focal_px=44", "cameras.left.principal_px=null",
-    "photometry.bayer=off", "photometry.fall_off=off",
+    "photometry.bayer=off", "photometry.fall_off=off", "photometry.blur_px=0",
     "board.dark=[0.8, 0.8, 0.8]", "board.light=[0.8, 0.8, 0.8]",
 )  # fmt: skip
 AIM = "look_at_mm: [1000, 1000, 200]"

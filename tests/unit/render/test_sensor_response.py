@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from scipy.ndimage import gaussian_filter
 from scipy.stats import chi2
 
 from labcal.render import bands
@@ -72,28 +71,18 @@ def test_the_board_reaches_the_level_asked_for_and_stops_are_factors_of_two() ->
     for stops, factor in ((0.0, 1.0), (1.0, 2.0), (-2.0, 0.25)):
         photometry = Photometry(bayer=True, white=0.5, exposure_stops=stops)
         exposure = exposure_for(photometry, radiance)
-        share = expose(light, photometry, exposure)
+        share = expose(light, exposure)
         assert share.max() == pytest.approx(0.5 * factor, rel=1e-6)  # green, the strongest
         np.testing.assert_allclose(share[0, 0] * exposure.balance, 0.5 * factor, rtol=1e-6)
 
 
-def test_the_point_spread_is_a_gauss_function() -> None:
-    light = np.zeros((200, 41), np.float32)
-    light[60:70, 19:26] = 1.0
-    share = expose(light, Photometry(blur_px=1.3), UNIT)
-    expected = gaussian_filter(light.astype(np.float64), 1.3, mode="nearest", radius=6)
-    np.testing.assert_allclose(share, expected, atol=1e-6)
-
-
-@pytest.mark.parametrize("blur_px", [0.0, 0.8, 20.0])
 @pytest.mark.parametrize("bayer", [False, True])
-def test_bands_leave_no_seams(blur_px: float, bayer: bool, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: FBT001
+def test_bands_leave_no_seams(bayer: bool, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: FBT001
     light = np.random.default_rng(0).random((150, 40, 3) if bayer else (150, 40), dtype=np.float32)
-    photometry = Photometry(bayer=bayer, blur_px=blur_px)
-    banded = expose(light, photometry, UNIT), read_sensor(light, photometry, UNIT, None)
+    photometry = Photometry(bayer=bayer)
+    banded = read_sensor(light, photometry, UNIT, None)
     monkeypatch.setattr(bands, "ROWS", 1000)
-    np.testing.assert_array_equal(banded[0], expose(light, photometry, UNIT))
-    np.testing.assert_array_equal(banded[1], read_sensor(light, photometry, UNIT, None))
+    np.testing.assert_array_equal(banded, read_sensor(light, photometry, UNIT, None))
 
 
 def test_the_noise_of_rows_does_not_depend_on_those_below() -> None:

@@ -218,3 +218,34 @@ def test_a_tiff_with_broken_strips_is_refused_at_once_and_in_silence(
         read_picture(path)
     assert time.monotonic() - began < 2.0
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "words"),
+    [
+        (
+            "a.HEIC",
+            b"\0\0\0\x18ftypheic" + bytes(99),
+            "none of PNG, .*, which labcal reads.*Convert them to PNG",
+        ),
+        ("a.png", b"\0\0\0\x18ftypavif" + bytes(99), "Convert them to PNG"),
+        ("a.gif", b"GIF89a" + bytes(99), "Convert them to PNG"),
+        ("a.cr2", b"II*\0" + bytes(99), "Export raw pictures as TIFF of 16 bits"),
+        ("a.raw", bytes(99), "state their format: `raw='Mono8:1280x1024'`"),
+        ("a.mp4", b"\0\0\0\x18ftypmp42" + bytes(99), "It is a film"),
+        ("a.png", b"", r"is empty \(0 bytes\)"),
+    ],
+)
+def test_formats_that_are_not_read_are_named_with_what_to_do(
+    tmp_path: Path, name: str, data: bytes, words: str
+) -> None:
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(InputError, match=words):
+        read_picture(tmp_path / name)
+
+
+def test_the_preview_in_a_raw_picture_is_not_taken_for_the_picture(tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "a.tif"), np.zeros((8, 8), np.uint8))
+    (tmp_path / "a.tif").rename(tmp_path / "a.dng")
+    with pytest.raises(InputError, match="Export raw pictures"):
+        read_picture(tmp_path / "a.dng")

@@ -107,7 +107,7 @@ def test_dots_behind_a_mosaic_are_measured_better_by_its_pattern() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "Bayer8", "BayerRG", "mono8", "Mono12p:10", "BayerRG8:0x4", "Mono9", "RGB8"]
+    "text", ["", "Bayer8", "BayerRG", "rggb8", "Mono12p:10", "BayerRG8:0x4", "Mono9", "RGB8"]
 )
 def test_what_is_no_pixel_format_is_refused(text: str) -> None:
     with pytest.raises(InputError, match="`raw`"):
@@ -160,3 +160,29 @@ def test_a_burnt_colour_of_a_mosaic_stays_burnt() -> None:
     mosaic[:20] //= 4
     balanced = balanced_mosaic(mosaic, "RG")
     assert np.count_nonzero(balanced == balanced.max()) >= 400  # all green pixels of the lower half
+
+
+@pytest.mark.parametrize(
+    ("text", "form"),
+    [
+        ("bayer_rggb8", RawFormat("RG", 8, "", None)),
+        ("bayer_gbrg16", RawFormat("GB", 16, "", None)),
+        ("bayergr12P:64X32", RawFormat("GR", 12, "p", (64, 32))),
+        ("mono12packed:64x32", RawFormat(None, 12, "Packed", (64, 32))),
+        ("mono16", RawFormat(None, 16, "", None)),
+    ],
+)
+def test_names_of_ros_and_of_any_case_are_read(text: str, form: RawFormat) -> None:
+    assert parse_raw_format(text) == form
+
+
+def test_another_pattern_than_the_mosaics_is_refused(tmp_path: Path) -> None:
+    light = np.random.default_rng(2).uniform(80.0, 200.0, (40, 60))
+    gain = np.tile(np.array([[0.6, 1.0], [1.0, 0.45]]), (20, 30))
+    cv2.imwrite(str(tmp_path / "a.png"), (light * gain).astype(np.uint8))
+    for pattern in ("GR", "GB"):
+        with pytest.raises(InputError, match=f"not Bayer{pattern}: .*BayerRG or BayerBG"):
+            read_raw_picture(tmp_path / "a.png", parse_raw_format(f"Bayer{pattern}8"))
+    read_raw_picture(tmp_path / "a.png", parse_raw_format("BayerRG8"))
+    cv2.imwrite(str(tmp_path / "grey.png"), light.astype(np.uint8))
+    read_raw_picture(tmp_path / "grey.png", parse_raw_format("BayerGR8"))  # in white light all are alike

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labcal.bench.boards.imaged_print import DrawnPrint, optical_image
+from labcal.bench.boards.imaged_print import DrawnPrint
 from labcal.bench.solve.board_poses import BOARDS, PAIR, board_poses
 from labcal.detect.detector import detect_dots
 from labcal.geometry.poses import transform
@@ -54,11 +54,6 @@ def test_all_corners_of_a_noise_free_picture_are_measured(monkeypatch: pytest.Mo
     T = board_poses(target, 3, generator(0, "x"))[0]
     seen = DrawnPrint.of(target).seen(camera, T, sensor, Shot(1, "view", "left"))
     assert detect_dots(seen.picture, target).ok.all()
-
-
-def test_light_without_blur_is_the_mean_of_its_samples() -> None:
-    light = np.arange(24.0).reshape(4, 6)
-    assert optical_image(light, 0.0, 2).tolist() == [[3.5, 5.5, 7.5], [15.5, 17.5, 19.5]]
 
 
 def test_places_of_dots_are_their_centroids() -> None:

@@ -10,7 +10,7 @@ from labcal.bench.boards.april_grid_picture import april_grid_picture
 from labcal.bench.boards.board_view import BoardPicture
 from labcal.bench.boards.charuco_picture import charuco_picture
 from labcal.bench.boards.chessboard_picture import chessboard_picture
-from labcal.bench.boards.traced_board import EYE_MM, FINER, UNIT_MM, traced_picture, traced_view
+from labcal.bench.boards.traced_board import EYE_MM, UNIT_MM, traced_picture, traced_view
 from labcal.bench.boards.traced_boards import KINDS, traced_outcome
 from labcal.bench.marks.drawn_picture import Cover
 from labcal.geometry.poses import transform
@@ -25,7 +25,7 @@ def test_corners_are_where_they_are_drawn(view: Callable[[int, int], BoardPictur
     traced = traced_view(picture)
     places = picture.board.points() * UNIT_MM
     q = traced.camera.camera().project(transform(traced.T_world_target, places)).q
-    assert np.allclose((q + 0.5) / FINER - 0.5, picture.corner, rtol=0.0, atol=1e-8)
+    assert np.allclose(q, picture.corner, rtol=0.0, atol=1e-8)
 
 
 def test_a_box_hides_what_a_cover_hides() -> None:
@@ -39,7 +39,7 @@ def test_a_box_hides_what_a_cover_hides() -> None:
     ends = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * half[:2] @ R.T + box.centre_mm[:2]
     front = np.column_stack([ends, np.full(4, box.centre_mm[2] + half[2])])
     assert (front[:, 2] < EYE_MM).all()
-    q = (traced.camera.camera().project(front).q + 0.5) / FINER - 0.5
+    q = traced.camera.camera().project(front).q
     assert np.allclose(cover.distance(q), 0.0, atol=1e-6)
     assert np.allclose(np.linalg.norm(q - cover.middle, axis=1), np.hypot(*cover.half), atol=1e-6)
 

@@ -60,7 +60,7 @@ def test_light_falls_and_noise_is_as_designed(design: PictureDesign) -> None:
     stage = suite_scene(design, 0)
     seen = dot_visibility(stage.scene, stage.take, 1.5)
     even = np.full((480, 640), BARE_BOARD, dtype=np.float32)
-    many = np.stack([exposed_picture(even, design, seen, 0.0, seed).astype(float) for seed in range(40)])
+    many = np.stack([exposed_picture(even, design, seen, seed).astype(float) for seed in range(40)])
     mean = many.mean(axis=0)
     assert mean.max() == pytest.approx(0.8 * 255, rel=0.02)
     assert mean.max() / mean.min() == pytest.approx(4.0, rel=0.1)

@@ -139,3 +139,19 @@ def test_the_size_of_a_project_without_an_area_of_interest_can_be_given() -> Non
         read_dice([SourceText(Path("cal.xml"), PROJECT)], ReadOptions(size=(640, 480)))
     with pytest.raises(InputError, match="another size of the pictures than `size`"):
         read_dice([SourceText(Path("cal.xml"), SYSTEM)], ReadOptions(size=(640, 480)))
+
+
+@pytest.mark.parametrize("name", ["CAMERA 2", "CAMERA1", "camera 1", ""])
+def test_no_camera_is_left_out(name: str) -> None:
+    text = SYSTEM.replace('name="CAMERA 1"', f'name="{name}"' if name else 'ame="CAMERA 1"')
+    with pytest.raises(InputError, match=rf"has a list '{name}' behind 1 cameras"):
+        read_dice([SourceText(Path("a.xml"), text)])
+    users = '<ParameterList name="user_4x4_params"></ParameterList>\n'
+    text = SYSTEM.replace('<ParameterList name="CAMERA 0">', users + '<ParameterList name="CAMERA 0">')
+    assert len(read_dice([SourceText(Path("a.xml"), text)]).rig.cameras) == 2
+
+
+def test_coefficients_without_a_lens_model_are_not_left_out() -> None:
+    line = '<Parameter name="LENS_DISTORTION_MODEL" type="string" value="OPENCV_LENS_DISTORTION" />\n'
+    with pytest.raises(InputError, match="CAMERA 0 has coefficients of a lens, but no LENS_DISTORTION_MODEL"):
+        read_dice([SourceText(Path("a.xml"), SYSTEM.replace(line, "", 1))])

@@ -253,7 +253,18 @@ def test_several_documents_of_ros(tmp_path: Path) -> None:
     (record,) = read(path).cameras.values()
     assert (record.K[0][0], record.dist) == (1000.5, D1)
     path.write_text(message.format(1) + "---\n" + message.format(2).replace("1000.5", "1001.5"))
-    with pytest.raises(InputError, match="2 documents that state different cameras"):
+    with pytest.raises(InputError, match="2 documents that state different cameras of one name"):
+        read(path)
+    other = message.format(2).replace("front", "rear")
+    apart = other.replace("1000.5, 0.0, 511.25, 0.0, 0.0", "1000.5, 0.0, 511.25, -120.06, 0.0")
+    path.write_text(message.format(1) + "---\n" + apart + "---\n" + message.format(3))
+    pair = read(path)
+    assert list(pair.cameras) == ["front", "rear"]
+    assert baseline_mm(pair) == pytest.approx(120.0)
+    path.write_text(message.format(1) + "---\n" + other.replace("[-0", "[-1"))
+    with pytest.raises(
+        InputError, match=r"does not state how far apart.*each document, in a file of its own"
+    ):
         read(path)
 
 

@@ -1,5 +1,6 @@
 """Every format gives back what it was given, to the last digit or to the rounding of a rotation."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -166,3 +167,21 @@ def test_a_pair_of_opencv_has_one_size_and_one_kind_of_lens(make_rig: MakeRig) -
 def test_three_cameras_are_refused_where_two_are_the_most(name: str, make_rig: MakeRig) -> None:
     with pytest.raises(InputError, match="`only='left,right-2'`"):
         FORMATS[name].write(make_rig("pinhole", count=3), FORMATS[name].suffixes[0])
+
+
+@pytest.mark.parametrize(("lens", "counts"), [("rational8", {5, 8}), ("thin-prism12", {5, 8, 12})])
+def test_a_lost_coefficient_of_a_rig_is_an_error(
+    lens: str, counts: set[int], make_rig: MakeRig, tmp_path: Path
+) -> None:
+    """Without one of its eight numbers the others would have stood for their neighbours."""
+    content = json.loads(make_rig(lens).model_dump_json())
+    whole = content["cameras"]["left"]["dist"]
+    for count in range(5, len(whole) + 1):
+        content["cameras"]["left"]["dist"] = whole[:count]
+        path = tmp_path / f"{count}.json"
+        path.write_text(json.dumps(content))
+        if count in counts:
+            read_rig_files([path], "labcal")
+        else:
+            with pytest.raises(InputError, match=rf"dist holds {count} coefficients, but should hold"):
+                read_rig_files([path], "labcal")

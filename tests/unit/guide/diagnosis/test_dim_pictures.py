@@ -28,4 +28,5 @@ def test_darkness_that_costs_noise_is_named_above_the_level_of_dark_pictures(
     for one in found:
         assert "more noise" in one.words
         assert one.harm_percent is not None
-        assert 10.0 < one.harm_percent < 40.0
+        # Photon noise grows with the root of the exposure's loss, by 80%; measured against truth, by 73%.
+        assert one.harm_percent == pytest.approx(100.0 * (2.0 ** (-0.5 * stops) - 1.0), abs=20.0)

@@ -7,6 +7,8 @@ import numpy as np
 from labcal.guide.twin.dot_windows import BlurredShare
 from labcal.guide.twin.mosaic import behind_mosaic, green_behind_mosaic
 from labcal.guide.twin.rendered_scene import rendered_scene
+from labcal.render.film import Cells
+from labcal.render.paper_share import SharpShare
 from labcal.scene.catalogue import load_scene
 
 
@@ -14,7 +16,9 @@ def test_smooth_light_passes_a_mosaic_and_edges_differ() -> None:
     light = np.tile(np.linspace(10.0, 50.0, 40, dtype=np.float32), (30, 1))
     for seen in behind_mosaic([light] * 3):
         np.testing.assert_allclose(seen[2:-2, 2:-2], light[2:-2, 2:-2], atol=1e-4)
-    step = BlurredShare.of(np.tile(np.float32(np.arange(40) > 19), (30, 1)), 0.8)
+    sharp = np.tile(np.float32(np.arange(40) > 19), (30, 1))
+    no_cells = Cells(np.zeros((0, 1, 1), np.float32), None)
+    step = BlurredShare.of(SharpShare.of(sharp, np.zeros(0, np.int64), no_cells), 0.8)
     seen = green_behind_mosaic(step)
     off = np.abs(seen.share - step.share)
     assert off[:, :14].max() < 1e-6
