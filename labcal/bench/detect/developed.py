@@ -17,6 +17,8 @@ from labcal.render.sensor_response import Exposure, Shot, read_sensor
 from labcal.report.bench import Check, Figure, at_most
 from labcal.rng import generator
 from labcal.scene.photometry import Photometry
+from labcal.shoot.luma import stored_luma
+from labcal.shoot.pictures import red_first
 
 RADII_PX = (6.0, 10.0, 20.0)
 TILTS_DEG, QUICK_TILTS_DEG = (5.0, 25.0, 45.0, 60.0), (10.0, 60.0)
@@ -144,7 +146,7 @@ def taken_picture(light: np.ndarray, kind: PictureKind, noise: SensorNoise, shot
         return picture
     stored = picture[..., ::-1] if kind.bayer else picture
     _, data = cv2.imencode(".jpg", stored, [cv2.IMWRITE_JPEG_QUALITY, kind.jpeg_quality])
-    return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED))
+    return stored_luma("picture.jpg", red_first(np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED))))
 
 
 def covariance_checks(name: str, errors: Pixels, covariance: PixelCovariances) -> list[Check]:

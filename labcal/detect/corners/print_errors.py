@@ -55,10 +55,11 @@ class PrintErrors:
 
     def are_near(self, before: "PrintErrors") -> bool:
         """Tell whether they differ from those of the round before by less than their own error."""
-        if not self.covariance.any():
-            return not before.covariance.any()
-        change = self.values - before.values
-        return float(change @ np.linalg.solve(self.covariance, change)) < 1.0
+        change, free = self.values - before.values, np.diag(self.covariance) > 0.0
+        if change[~free].any():
+            return False
+        own = self.covariance[np.ix_(free, free)]
+        return float(change[free] @ np.linalg.solve(own, change[free])) < 1.0
 
     def of(self, design: BoardPrint) -> BoardPrint:
         """Return the print with its lines where they are."""
@@ -70,7 +71,10 @@ class PrintErrors:
 
 
 def print_errors(design: BoardPrint, before: PrintErrors, fits: Iterable[PrintedCorner]) -> PrintErrors:
-    """Return the departures by least squares with all fits' parameters; as before where chance explains.
+    """Return the departures by least squares with all fits' parameters.
+
+    Those of the lines are zero where chance explains them, and so is that of the tone: what is estimated anew
+    in each picture moves all of its corners alike.
 
     Parameters
     ----------
@@ -89,10 +93,19 @@ def print_errors(design: BoardPrint, before: PrintErrors, fits: Iterable[Printed
         information += evidence.information
         gradient += evidence.gradient
     expected = np.array([_LINE**-2.0] * design.count + [_TONE**-2.0])
+    right = information @ before.values + gradient
     information += np.diag(expected)
-    found = before.values + np.linalg.solve(information, gradient - np.diag(expected) @ before.values)
-    is_distinct = float(found @ information @ found) > chdtri(size, _CHANCE)
-    return PrintErrors(found, np.linalg.inv(information)) if is_distinct else before
+    parts = np.arange(size) < design.count, np.arange(size) == design.count
+    free = np.zeros(size, dtype=bool)
+    for part in parts:  # the lines, and the tone, which nearly every camera has
+        found, covariance = np.linalg.solve(information, right)[part], np.linalg.inv(information)
+        of_part = float(found @ np.linalg.solve(covariance[np.ix_(part, part)], found))
+        free |= part & (of_part > chdtri(part.sum(), _CHANCE))
+    values, covariance = np.zeros(size), np.zeros((size, size))
+    if free.any():
+        own = information[np.ix_(free, free)]
+        values[free], covariance[np.ix_(free, free)] = np.linalg.solve(own, right[free]), np.linalg.inv(own)
+    return PrintErrors(values, covariance)
 
 
 def with_print_errors(design: BoardPrint, errors: PrintErrors, fit: PrintedCorner) -> PrintedCorner:

@@ -1,0 +1,35 @@
+"""The brightness that lossy pictures store at full resolution; their colours are stored at half of it."""
+
+from pathlib import PurePath
+
+import numpy as np
+
+from labcal.paths import AnyPath
+from labcal.shoot.pictures import LOSSY
+
+_REC601 = np.array([0.299, 0.587, 0.114], dtype=np.float32)
+"""Of red, green and blue (ITU-R BT.601), as JPEG (ITU-T T.871) and WebP store brightness."""
+
+
+def stored_luma(path: AnyPath, picture: np.ndarray) -> np.ndarray:
+    """Return the brightness of a picture from a lossy file in colour; any other picture as it is.
+
+    JPEG and WebP store brightness for every pixel and colours, most often, for every second one along either
+    axis. Any other mean of red, green and blue holds some of the colours, whose fringes at edges, as of a
+    colour mosaic, have moved.
+
+    Parameters
+    ----------
+    path : str or path
+        The file that the picture was read from; its ending counts.
+    picture : ndarray, shape (height, width) or (height, width, 3)
+        Red, green and blue.
+
+    Returns
+    -------
+    ndarray
+        Of the same type, shape (height, width), of a lossy picture in colour.
+    """
+    if picture.ndim == 2 or PurePath(path).suffix.lower() not in LOSSY:  # noqa: PLR2004 -- grey
+        return picture
+    return np.rint(picture.astype(np.float32) @ _REC601).astype(picture.dtype)
