@@ -32,4 +32,5 @@ def stored_luma(path: AnyPath, picture: np.ndarray) -> np.ndarray:
     """
     if picture.ndim == 2 or PurePath(path).suffix.lower() not in LOSSY:  # noqa: PLR2004 -- grey
         return picture
-    return np.rint(picture.astype(np.float32) @ _REC601).astype(picture.dtype)
+    luma: np.ndarray = np.rint(picture.astype(np.float32) @ _REC601)
+    return luma.astype(picture.dtype)
