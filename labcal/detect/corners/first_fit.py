@@ -52,12 +52,17 @@ def first_fit(
         return False, state, window, 0.0
     # What is left out around markers follows the blur, now that it is known.
     blur = max(state[4], state[5])
-    own_pixels = around if leaves_out_clipped(state, newton) else whole
-    window = window_arrays(grey, (centre, axes), own_pixels, own.marker_guard_blurs * blur / narrow)
-    if len(window[2]) < own.min_pixels:
-        return False, state, window, 0.0
-    pixels = (window[1], window[2], window[3], bend, CHESSBOARD)
-    rms = settled(state, pixels, (own.tolerance_px, PARAMETERS), newton)
+    guard, begun = own.marker_guard_blurs * blur / narrow, state.copy()
+    is_wide = leaves_out_clipped(state, newton)
+    window = window_arrays(grey, (centre, axes), around if is_wide else whole, guard)
+    rms = _settled_in(state, window, bend, (own.min_pixels, own.tolerance_px), newton)
+    if is_wide and (rms < 0.0 or not leaves_out_clipped(state, newton)):
+        # The beginning was rougher than the edges: those without blur are fitted with what is clipped.
+        state[:] = begun
+        window = window_arrays(grey, (centre, axes), whole, guard)
+        rms = _settled_in(state, window, bend, (own.min_pixels, own.tolerance_px), newton)
+        if leaves_out_clipped(state, newton):
+            return False, state, window, 0.0
     if rms < 0.0:
         return False, state, window, 0.0
     square = sqrt(abs(axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0]))
@@ -71,6 +76,26 @@ def first_fit(
         and y <= grey.shape[0] - 1 - margin
     )
     return ok, state, window, rms
+
+
+@compiled
+def _settled_in(
+    state: np.ndarray,
+    window: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+    bend: np.ndarray,
+    least: tuple[int, float],
+    newton: FitLimits,
+) -> float:
+    """Return the root mean square residual of a fit to a window's pixels, its state in place; -1 if none.
+
+    `least` holds the fewest pixels and the tolerance, px.
+    """
+    min_pixels, tolerance_px = least
+    if len(window[2]) < min_pixels:
+        return -1.0
+    pixels = (window[1], window[2], window[3], bend, CHESSBOARD)
+    rms: float = settled(state, pixels, (tolerance_px, PARAMETERS), newton)
+    return rms
 
 
 @compiled
