@@ -42,8 +42,9 @@ def test_figures_tell_errors_what_is_stated_and_how_both_compare() -> None:
 def test_pictures_are_of_their_kind(kind: PictureKind) -> None:
     light = np.tile(np.linspace(0.1, 0.7, 64, dtype=np.float32), (48, 1))
     clean, usual, strong = (taken_picture(light, kind, noise, SHOT).astype(float) for noise in NOISES)
-    assert clean.shape == ((48, 64, 3) if kind.bayer else (48, 64))
+    # Of a lossy file in colour the luma is measured.
+    assert clean.shape == ((48, 64, 3) if kind.bayer and kind.jpeg_quality is None else (48, 64))
     assert np.std(usual - clean) < 0.4 * np.std(strong - clean)
     grey = taken_picture(light, KINDS[0], NOISES[0], SHOT)
-    seen = clean.mean(axis=2) if kind.bayer else clean
+    seen = clean.mean(axis=2) if clean.ndim == 3 else clean
     assert np.abs(seen - grey).mean() < 3.0
