@@ -1,11 +1,20 @@
 """Names of cameras from how names of pictures and folders call them."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from labcal.run.names import is_name
 
+NAMING = ("folder", "word", "serial")
+"""Parts of names that may be what a camera is called, whatever they are."""
+SERIAL_DIGITS = 5
+"""Of a number, from which on it may be that of a device."""
 _SIDE_NAMES = {"left": "left", "l": "left", "right": "right", "r": "right"}
+
+
+def may_be_device(kind: str, texts: Iterable[str]) -> bool:
+    """Tell whether parts of a kind may be what cameras are called: words, folders, or serial numbers."""
+    return kind in NAMING or (kind == "number" and min(map(len, texts)) >= SERIAL_DIGITS)
 
 
 def camera_called(text: str) -> str:

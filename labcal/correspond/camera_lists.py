@@ -5,6 +5,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from labcal.arguments import one_text
+from labcal.correspond.name_patterns import ANY
 from labcal.correspond.natural_order import in_name_order
 from labcal.correspond.picture_lists import LIST, listed_pictures
 from labcal.correspond.sources import Source
@@ -13,8 +14,6 @@ from labcal.run.names import is_name
 from labcal.shoot.pictures import SUFFIXES
 from labcal.shoot.raw_pictures import RAW_SUFFIXES, RawFormat
 from labcal.wording import clipped, counted, listed
-
-_ANY = "*"
 
 
 def camera_lists(cameras: Mapping[str, str] | str | None) -> dict[str, str] | None:
@@ -92,7 +91,7 @@ def list_sources(
 
 
 def _is_place(text: str) -> bool:
-    return text.lower().endswith(LIST) or any(mark in text for mark in ("/", "\\", _ANY))
+    return text.lower().endswith(LIST) or any(mark in text for mark in ("/", "\\", ANY))
 
 
 def _key(image: str) -> str:
@@ -102,8 +101,8 @@ def _key(image: str) -> str:
 
 def _pictures(place: str, suffixes: frozenset[str]) -> list[str]:
     path = Path(place)
-    if path.is_dir() or (_ANY in path.name and path.parent.is_dir()):
-        folder, form = (path, _ANY) if path.is_dir() else (path.parent, path.name.replace("[", "[[]"))
+    if path.is_dir() or (ANY in path.name and path.parent.is_dir()):
+        folder, form = (path, ANY) if path.is_dir() else (path.parent, path.name.replace("[", "[[]"))
         entries = [entry for entry in folder.iterdir() if fnmatchcase(entry.name, form)]
         found = sorted(
             (str(entry) for entry in entries if entry.suffix.lower() in suffixes), key=in_name_order

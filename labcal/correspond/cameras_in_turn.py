@@ -5,12 +5,11 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from labcal.correspond.camera_called import camera_called
+from labcal.correspond.camera_called import NAMING, camera_called, may_be_device
 from labcal.correspond.name_patterns import ANY, NameParts
 from labcal.correspond.natural_order import in_order
 
 _CAMERAS, _LEAST_PICTURES = range(2, 9), 3
-_SERIAL_DIGITS = 5
 _MOMENTS = 0.6
 """Share of pictures from which on the rest of the name is a moment, which cameras share by chance only."""
 _COUNTED = (["0", "1"], ["1", "2"], ["0", "1", "2"], ["1", "2", "3"])
@@ -52,9 +51,7 @@ def cameras_in_turn(names: Sequence[NameParts]) -> tuple[int, ...] | None:
 
 def _is_called(kind: str, values: Counter[str]) -> bool:
     """Tell whether texts may be what cameras are called: words, folders, or serial numbers, no dates."""
-    if kind in ("folder", "word", "serial"):
-        return True
-    return kind == "number" and all(len(text) >= _SERIAL_DIGITS and not is_date(text) for text in values)
+    return may_be_device(kind, values) and (kind in NAMING or not any(map(is_date, values)))
 
 
 def is_date(text: str) -> bool:

@@ -13,8 +13,8 @@ from labcal.correspond.picture_work import over_pictures, read_and
 from labcal.correspond.sources import Source
 from labcal.public_object import PublicObject
 from labcal.run.progress import Progress
-from labcal.shoot.luma import stored_luma
-from labcal.shoot.tone_curve import AnyToneCurve, undone
+from labcal.shoot.luma import measured_light
+from labcal.shoot.tone_curve import AnyToneCurve
 from labcal.wording import listed
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def picture_marks(
                 f"calibrated with pictures of {size[0]} x {size[1]} px. Give pictures as that camera takes "
                 "them.",
             )
-        marks = find_marks(undone(stored_luma(source.image, picture), tone_curve), kinds, settings)
+        marks = find_marks(measured_light(source.image, picture, tone_curve), kinds, settings)
         return MarkMeasurement(source, marks, None if marks.ok.any() else _nothing(marks, kinds))
 
     return read_and(source, found, _lost)

@@ -18,8 +18,8 @@ from labcal.detect.dots import PictureDots
 from labcal.detect.settings import DetectSettings
 from labcal.public_object import PublicObject
 from labcal.run.progress import Progress
-from labcal.shoot.luma import stored_luma
-from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve, undone
+from labcal.shoot.luma import measured_light
+from labcal.shoot.tone_curve import AnyToneCurve, ToneCurve
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.code_text import PrintedTarget
 
@@ -62,7 +62,7 @@ def measure_picture(
     from labcal.detect.detector import detect_dots  # noqa: PLC0415 -- imports Numba, which tables do not need
 
     def measured(picture: np.ndarray) -> Measurement:
-        light = undone(stored_luma(source.image, picture), tone_curve)
+        light = measured_light(source.image, picture, tone_curve)
         if isinstance(target, PrintedTarget):
             dots = detect_dots(own_board_only(light, target), target.target, settings)
             return _measurement(source, placed_by_code(light, dots, target))

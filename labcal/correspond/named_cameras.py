@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
-from labcal.correspond.camera_called import cameras_called
+from labcal.correspond.camera_called import NAMING, SERIAL_DIGITS, cameras_called, may_be_device
 from labcal.correspond.camera_folders import camera_folders, equal_folders
 from labcal.correspond.cameras_in_turn import cameras_in_turn, order_option
 from labcal.correspond.glued_numbers import glued_cameras
@@ -27,14 +27,11 @@ _NO_CAMERA = {
 """Words before a number that does not count cameras."""
 _MOST_CAMERAS, _MOST_NAMED = 8, 64
 """Cameras that parts of names may tell, unless they are called so; and as many if they are."""
-_SERIAL_DIGITS = 5
 _FULL, _FULL_VIEWS, _MANY_VIEWS = 0.8, 3, 5
 """Share of pictures, and whole views, from which on some may be missing where a single digit or letter at the
 end of the names is the camera's; and whole views where a folder, a word or the number of a device is."""
 _BY_CHANCE = 0.2
 """Share of views with pictures of all cameras up to which moments are equal by chance."""
-_NAMING = ("folder", "word", "serial")
-"""Parts of names that may be what a camera is called, whatever they are."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +166,7 @@ class _Names:
 
     def _may_number(self, places: tuple[int, ...]) -> bool:
         """Tell whether the parts could be what cameras are called: not a time, an exposure or a row."""
-        return any(self.kinds[place] in _NAMING for place in places) or any(
+        return any(self.kinds[place] in NAMING for place in places) or any(
             self.kinds[place] == "number"
             and self._word_before(place) not in _NO_CAMERA
             and _counts([split.parts[place] for split in self.splits])
@@ -193,8 +190,7 @@ class _Names:
 
     def _is_serial(self, place: int) -> bool:
         """Tell whether a part is a folder, a word or the number of a device, not a count."""
-        shortest = min(len(split.parts[place]) for split in self.splits)
-        return self.kinds[place] in _NAMING or (self.kinds[place] == "number" and shortest >= _SERIAL_DIGITS)
+        return may_be_device(self.kinds[place], [split.parts[place] for split in self.splits])
 
     def _pairs(self, places: tuple[int, ...]) -> bool:
         """Tell whether views have pictures of all cameras, and not by chance."""
@@ -268,7 +264,7 @@ def _without(start: str, texts: set[str]) -> set[str]:
 
 def _counts(texts: Sequence[str]) -> bool:
     """Tell whether numbers are 0, 1, 2 ... or 1, 2 ..., or serial numbers."""
-    if max(map(len, texts)) >= _SERIAL_DIGITS:
-        return min(map(len, texts)) >= _SERIAL_DIGITS
+    if max(map(len, texts)) >= SERIAL_DIGITS:
+        return min(map(len, texts)) >= SERIAL_DIGITS
     values = sorted({int(text) for text in texts})
     return values[0] in (0, 1) and values == list(range(values[0], values[0] + len(values)))

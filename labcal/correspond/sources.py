@@ -14,7 +14,7 @@ from labcal.correspond.picture_folders import endings_seen, picture_files
 from labcal.errors import InputError
 from labcal.run.names import differ_in_case, is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
-from labcal.shoot.pictures import LOSSY, SUFFIXES, read_picture
+from labcal.shoot.pictures import SUFFIXES, is_lossy, read_picture
 from labcal.shoot.raw_pictures import RawFormat, read_raw_picture
 from labcal.wording import clipped, has_control, listed, printable
 
@@ -185,7 +185,7 @@ def _mend_of_twins(first: str, second: str) -> str:
     if one.with_suffix("") == other.with_suffix(""):
         return (
             "If a camera stored each picture in two formats, give those of one, the better one: "
-            f"{one.parent / '*'}{min(one.suffix, other.suffix, key=_is_lossy)}"
+            f"{one.parent / '*'}{min(one, other, key=is_lossy).suffix}"
         )
     if one.stem == other.stem and len(one.parts) == len(other.parts):
         apart = next(pair for pair in zip(one.parts, other.parts, strict=True) if pair[0] != pair[1])
@@ -194,10 +194,6 @@ def _mend_of_twins(first: str, second: str) -> str:
         )
         return f"If their folders are those of cameras, state it: `cameras='{option}'`."
     return "Give them different names, or distinguish the cameras with `cameras='_0=left,_1=right'`."
-
-
-def _is_lossy(suffix: str) -> bool:
-    return suffix.lower() in LOSSY
 
 
 def refuse_unnamed_cameras(images: Sequence[str], endings: Mapping[str, str]) -> None:

@@ -2,6 +2,9 @@
 
 import numpy as np
 
+DEVIATIONS_A_MAD = 1.4826
+"""Standard deviation over the median absolute deviation, of normal numbers."""
+
 
 def median_of(values: np.ndarray) -> float:
     """Return the median of the elements of an array, NaN if one of them is; the same number as NumPy's.

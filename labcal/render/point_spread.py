@@ -75,6 +75,11 @@ def cells(fine: np.ndarray, finer: int) -> np.ndarray:
     return np.ascontiguousarray(np.moveaxis(apart, 1, 0), dtype=np.float32)
 
 
+def in_cells(q: np.ndarray, finer: int) -> np.ndarray:
+    """Return places (..., 2) in pixels as places in the cells of a picture of :func:`cells`."""
+    return np.asarray(finer * (q + 0.5) - 0.5)
+
+
 def weights(blur_px: float, finer: int) -> Float32[np.ndarray, "k taps"]:
     """Return the weights of the cells along one axis, for the cells of each number within their pixels."""
     half = reach(blur_px)

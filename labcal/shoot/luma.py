@@ -1,14 +1,26 @@
 """The brightness that lossy pictures store at full resolution; their colours are stored at half of it."""
 
-from pathlib import PurePath
-
 import numpy as np
 
 from labcal.paths import AnyPath
-from labcal.shoot.pictures import LOSSY
+from labcal.shoot.pictures import is_lossy
+from labcal.shoot.tone_curve import AnyToneCurve, undone
 
 _REC601 = np.array([0.299, 0.587, 0.114], dtype=np.float32)
 """Of red, green and blue (ITU-R BT.601), as JPEG (ITU-T T.871) and WebP store brightness."""
+
+
+def measured_light(path: AnyPath, picture: np.ndarray, tone_curve: AnyToneCurve) -> np.ndarray:
+    """Return the light of a picture that was read from a file, as dots and marks are measured in it.
+
+    Parameters
+    ----------
+    path, picture
+        As of :func:`stored_luma`.
+    tone_curve : AnyToneCurve
+        To be undone.
+    """
+    return undone(stored_luma(path, picture), tone_curve)
 
 
 def stored_luma(path: AnyPath, picture: np.ndarray) -> np.ndarray:
@@ -30,7 +42,7 @@ def stored_luma(path: AnyPath, picture: np.ndarray) -> np.ndarray:
     ndarray
         Of the same type, shape (height, width), of a lossy picture in colour.
     """
-    if picture.ndim == 2 or PurePath(path).suffix.lower() not in LOSSY:  # noqa: PLR2004 -- grey
+    if picture.ndim == 2 or not is_lossy(path):  # noqa: PLR2004 -- grey
         return picture
     luma: np.ndarray = np.rint(picture.astype(np.float32) @ _REC601)
     return luma.astype(picture.dtype)

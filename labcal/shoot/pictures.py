@@ -20,9 +20,8 @@ from labcal.shoot.picture_stacks import require_one_picture
 from labcal.wording import clipped
 
 _LOSSLESS = {".png", ".tif", ".tiff", ".exr", ".bmp", ".pgm", ".ppm", ".pbm", ".pnm"}
-LOSSY = frozenset({".jpg", ".jpeg", ".webp"})
-"""Endings of pictures that mostly have lost some of their light to compression."""
-SUFFIXES = frozenset({*_LOSSLESS, *LOSSY})
+_LOSSY = {".jpg", ".jpeg", ".webp"}
+SUFFIXES = frozenset({*_LOSSLESS, *_LOSSY})
 """Endings of the pictures that a folder stands for."""
 _WRITTEN = {
     ".png": PictureKind.PNG,
@@ -105,6 +104,11 @@ def read_picture(path: AnyPath) -> np.ndarray:
             f"{path} is not a picture, or is damaged. Copy it again, or convert it to PNG, JPEG or TIFF."
         )
     return red_first(picture)
+
+
+def is_lossy(path: AnyPath) -> bool:
+    """Tell whether a picture, by its ending, mostly has lost some of its light to compression."""
+    return as_path(path).suffix.lower() in _LOSSY
 
 
 def red_first(picture: np.ndarray) -> np.ndarray:
@@ -203,6 +207,12 @@ def encoded_picture(path: AnyPath, picture: np.ndarray, jpeg_quality: int = _JPE
     if not done:
         raise _unknown_ending(path)
     return data.data
+
+
+def through_jpeg(picture: np.ndarray, quality: int) -> np.ndarray:
+    """Return a picture as it is read again from a JPEG file, in grey, or red first."""
+    data = np.frombuffer(encoded_picture("picture.jpg", picture, quality), np.uint8)
+    return red_first(np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED)))
 
 
 def _unknown_ending(path: Path) -> OutputError:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from itertools import product
 
-import cv2
 import numpy as np
 
 from labcal.arrays import PixelCovariances, Pixels
@@ -18,7 +17,7 @@ from labcal.report.bench import Check, Figure, at_most
 from labcal.rng import generator
 from labcal.scene.photometry import Photometry
 from labcal.shoot.luma import stored_luma
-from labcal.shoot.pictures import red_first
+from labcal.shoot.pictures import through_jpeg
 
 RADII_PX = (6.0, 10.0, 20.0)
 TILTS_DEG, QUICK_TILTS_DEG = (5.0, 25.0, 45.0, 60.0), (10.0, 60.0)
@@ -133,7 +132,6 @@ def taken_picture(light: np.ndarray, kind: PictureKind, noise: SensorNoise, shot
     """
     photometry = Photometry(
         bayer=kind.bayer,
-        blur_px=0.0,  # the light is blurred already
         full_well_e=noise.full_well_e,
         read_noise_e=noise.read_noise_e or 0.0,
         black_level_dn=0.0,
@@ -144,9 +142,7 @@ def taken_picture(light: np.ndarray, kind: PictureKind, noise: SensorNoise, shot
     picture = develop(codes, photometry, exposure)
     if kind.jpeg_quality is None:
         return picture
-    stored = picture[..., ::-1] if kind.bayer else picture
-    _, data = cv2.imencode(".jpg", stored, [cv2.IMWRITE_JPEG_QUALITY, kind.jpeg_quality])
-    return stored_luma("picture.jpg", red_first(np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED))))
+    return stored_luma("picture.jpg", through_jpeg(picture, kind.jpeg_quality))
 
 
 def covariance_checks(name: str, errors: Pixels, covariance: PixelCovariances) -> list[Check]:

@@ -23,6 +23,8 @@ from labcal.errors import InputError
 COUNTS = (0, 4, 5, 8, 12, 14)
 """Of coefficients that OpenCV takes."""
 _NUMBER = re.compile(r"\d+")
+_OF_A_MATRIX = 9
+"""Numbers of a camera matrix."""
 _USUAL = ((MATRIX[0], DIST[0]), ("M1", "D1"), ("M2", "D2"))
 """Names by which a user maps the keys of a camera alone, and of a pair."""
 
@@ -52,7 +54,9 @@ def _further(storage: Storage, pair: tuple[str, str]) -> bool:
     """Tell whether there is a matrix under one more key, which differs from those of a pair in a number."""
     form = re.compile(_NUMBER.sub(r"\\d+", re.escape(pair[0])))
     others = [key for key in storage.content if key not in pair and form.fullmatch(str(key))]
-    return _NUMBER.search(pair[0]) is not None and any(len(storage.numbers(key)) == 9 for key in others)  # noqa: PLR2004 -- 3x3
+    return _NUMBER.search(pair[0]) is not None and any(
+        len(storage.numbers(key)) == _OF_A_MATRIX for key in others
+    )
 
 
 def _keys_of(storage: Storage, sides: tuple[str, str]) -> tuple[str, str]:

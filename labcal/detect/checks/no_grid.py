@@ -8,6 +8,7 @@ from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.grid import find_grid
 from labcal.detect.lattice.marks_beside import lines_seen
+from labcal.detect.medians import DEVIATIONS_A_MAD
 from labcal.detect.segmentation import Candidates, segmentations
 from labcal.detect.settings import DetectSettings
 from labcal.targets.grid import DotGrid
@@ -24,7 +25,6 @@ _MOST_PIXELS = 400_000
 """Of the part of a picture that is enlarged."""
 _AROUND_PX = 8
 _SPECK_SIGMAS = 6.0
-_SIGMA = 1.4826
 
 
 def why_no_grid(
@@ -99,7 +99,7 @@ def _with_specks(grey: GreyPicture, least: int) -> Float32[np.ndarray, "rows col
     window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_SPECK_PX, _SPECK_PX))
     depth = cv2.morphologyEx(grey, cv2.MORPH_BLACKHAT, window)
     usual = float(np.median(depth))
-    scatter = _SIGMA * float(np.median(np.abs(depth - usual)))
+    scatter = DEVIATIONS_A_MAD * float(np.median(np.abs(depth - usual)))
     dark = (depth > max(usual + _SPECK_SIGMAS * scatter, 0.25 * float(depth.max()))).astype(np.uint8)
     count, _, stats, _ = cv2.connectedComponentsWithStats(dark)
     if count - 1 < least or not depth.max() > 0.0:

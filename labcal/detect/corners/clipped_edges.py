@@ -7,6 +7,7 @@ import numpy as np
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.corner_fit import SettledCorner
+from labcal.detect.corners.hard_edges import edge_normals, pixels_crossed, place_covariance
 from labcal.detect.corners.printed_fit import PrintedCorner
 from labcal.detect.dots import PictureDots
 from labcal.detect.grey import GreyPicture, clipping
@@ -86,11 +87,9 @@ def clipped_edge_covariance(fit: SettledCorner, most: float) -> np.ndarray:
     unseen = (fit.state.item(6) + 0.5 * step - most) / step
     if not unseen > 0.0 or (fit.window.value >= most).any():
         return np.zeros((2, 2))
-    normals = np.stack([np.cos(fit.state[2:4]), np.sin(fit.state[2:4])], axis=1)
+    normals = edge_normals(fit)
     variances = np.zeros(2)
     for edge, (blur, normal) in enumerate(zip(fit.state[4:6].tolist(), normals, strict=True)):
-        along = np.array([-normal[1], normal[0]]) @ fit.window.offset
-        crossed = max(1.0, float(np.ptp(along)) * float(np.abs(normal).min() / np.abs(normal).max()))
+        crossed = pixels_crossed(normal, fit.window.offset)
         variances[edge] = (_OF_ONE_SIDE * min(unseen, 1.0) / (blur**1.5 * crossed)) ** 2
-    inverse = np.linalg.inv(normals)
-    return np.asarray((inverse * variances) @ inverse.T)
+    return place_covariance(normals, variances)

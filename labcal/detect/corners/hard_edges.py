@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float64
 
 from labcal.detect.corners.corner_fit import SettledCorner
 
@@ -45,7 +46,7 @@ def _hard_edge_covariance(fit: SettledCorner, least_blur: float) -> np.ndarray:
     """
     window = fit.window
     variances, offset = np.zeros(2), window.offset - fit.state[:2, None]
-    normals = np.stack([np.cos(fit.state[2:4]), np.sin(fit.state[2:4])], axis=1)
+    normals = edge_normals(fit)
     level = np.abs(window.value - fit.state[6]) / abs(float(fit.state[7]))
     for edge, (blur, normal) in enumerate(zip(fit.state[4:6].tolist(), normals, strict=True)):
         if blur > _AT_LEAST * least_blur:
@@ -54,10 +55,32 @@ def _hard_edge_covariance(fit: SettledCorner, least_blur: float) -> np.ndarray:
         # Pixels at the other edge say nothing of this one.
         near &= np.abs(normals[1 - edge] @ offset) > 2.0 * _NEAR_PX
         covered = bool((level[near] < _INTERMEDIATE).any())
-        along = np.array([-normal[1], normal[0]]) @ offset[:, near]
-        length = float(np.ptp(along)) if near.any() else 0.0
-        crossed = max(1.0, length * float(np.abs(normal).min() / np.abs(normal).max()))
-        variances[edge] = (_COVERED if covered else _UNSEEN) / crossed**2
+        variances[edge] = (_COVERED if covered else _UNSEEN) / pixels_crossed(normal, offset[:, near]) ** 2
+    return place_covariance(normals, variances)
+
+
+def edge_normals(fit: SettledCorner) -> Float64[np.ndarray, "2 2"]:
+    """Return the normals of both edges, a row each."""
+    return np.stack([np.cos(fit.state[2:4]), np.sin(fit.state[2:4])], axis=1)
+
+
+def pixels_crossed(normal: np.ndarray, offset: np.ndarray) -> float:
+    """Return through how many pixels, between their middles, an edge runs across; 1 at least.
+
+    Parameters
+    ----------
+    normal : ndarray, shape (2,)
+        Of the edge.
+    offset : ndarray, shape (2, n)
+        Of the pixels along it, px; none is an edge of no length.
+    """
+    along = np.array([-normal[1], normal[0]]) @ offset
+    length = float(np.ptp(along)) if len(along) else 0.0
+    return max(1.0, length * float(np.abs(normal).min() / np.abs(normal).max()))
+
+
+def place_covariance(normals: np.ndarray, variances: np.ndarray) -> Float64[np.ndarray, "2 2"]:
+    """Return the covariance of the place where two edges cross, of variances along their normals."""
     if not variances.any():
         return np.zeros((2, 2))
     inverse = np.linalg.inv(normals)

@@ -3,11 +3,10 @@
 import numpy as np
 
 from labcal.detect.corners.node_grid import NodeGrid, around
+from labcal.detect.medians import DEVIATIONS_A_MAD
 
 _FLAT = 1e-6
 """Least determinant of the normal equations, scaled, of nodes that are not on one line."""
-_OF_MEDIAN = 1.4826
-"""Standard deviation of normal residuals, in the median of their sizes."""
 _LEAST_LEFT = 0.002
 """Of a level's logarithm: what noise and a curve of the light leave."""
 _FAR_OFF = 3.0
@@ -65,10 +64,12 @@ def _slopes_of(near: np.ndarray, places: np.ndarray, fewest: int) -> np.ndarray:
     left, usual = _left(design, level, known, planes)
     off = (left > _FAR_OFF * usual).any(axis=0) | (usual > _ROUGH)
     doubtful = np.flatnonzero(off & np.isfinite(planes[:, 0]))
-    for _ in range(_ROUNDS if len(doubtful) else 0):
+    if len(doubtful):
         own = design[:, doubtful], level[:, doubtful], known[:, doubtful]
-        left, usual = _left(*own, planes[doubtful])
-        planes[doubtful] = _planes(*own[:2], own[2] / (1.0 + (left / usual) ** 2))
+        left, usual = left[:, doubtful], usual[doubtful]
+        for _ in range(_ROUNDS):
+            planes[doubtful] = _planes(*own[:2], own[2] / (1.0 + (left / usual) ** 2))
+            left, usual = _left(*own, planes[doubtful])
     return np.asarray(planes[:, 1:] / scale[:, None])
 
 
@@ -92,4 +93,4 @@ def _left(
     left = np.abs(level - np.einsum("kni,ni->kn", design, planes))
     ordered = np.sort(np.where(known, left, np.inf), axis=0)
     middle = np.take_along_axis(ordered, (known.sum(axis=0) // 2)[None], axis=0)[0]
-    return np.where(known, left, 0.0), np.maximum(_OF_MEDIAN * middle, _LEAST_LEFT)
+    return np.where(known, left, 0.0), np.maximum(DEVIATIONS_A_MAD * middle, _LEAST_LEFT)

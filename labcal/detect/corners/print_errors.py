@@ -97,9 +97,9 @@ def print_errors(design: BoardPrint, before: PrintErrors, fits: Iterable[Printed
     information += np.diag(expected)
     parts = np.arange(size) < design.count, np.arange(size) == design.count
     free = np.zeros(size, dtype=bool)
+    found, of_all = np.linalg.solve(information, right), np.linalg.inv(information)
     for part in parts:  # the lines, and the tone, which nearly every camera has
-        found, covariance = np.linalg.solve(information, right)[part], np.linalg.inv(information)
-        of_part = float(found @ np.linalg.solve(covariance[np.ix_(part, part)], found))
+        of_part = float(found[part] @ np.linalg.solve(of_all[np.ix_(part, part)], found[part]))
         free |= part & (of_part > chdtri(part.sum(), _CHANCE))
     values, covariance = np.zeros(size), np.zeros((size, size))
     if free.any():

@@ -11,6 +11,7 @@ from scipy.special import ndtr, stdtrit
 from labcal.detect.corners.saddles import Saddles
 from labcal.detect.corners.tag_quads import black_squares, square_levels
 from labcal.detect.grey import GreyPicture
+from labcal.detect.medians import DEVIATIONS_A_MAD
 from labcal.targets.april_grid import AprilGrid
 from labcal.targets.charuco import MarkerDictionary
 from labcal.targets.charuco_opencv import opencv_dictionary
@@ -27,8 +28,6 @@ _WHITE = 90.0
 """Percentile of the inner cells that is as bright as white, as the paper beside the tag is."""
 _TURNS = 4
 _OTHER_BORDER = {1: 2, 2: 1}
-_SIGMA = 1.4826
-"""Standard deviation over the median absolute deviation, of normal noise."""
 
 
 @dataclass(frozen=True)
@@ -148,7 +147,7 @@ def _has_border(levels: Float64[np.ndarray, "n cells cells"], border: int) -> np
         return np.zeros(0, dtype=bool)
     ring = levels[:, ~inner]
     black, white = np.median(ring, axis=1), np.percentile(levels[:, inner], _WHITE, axis=1)
-    spread = _SIGMA * np.median(np.abs(ring - black[:, None]), axis=1)
+    spread = DEVIATIONS_A_MAD * np.median(np.abs(ring - black[:, None]), axis=1)
     wrong = (ring > 0.5 * (black + white)[:, None]).mean(axis=1)
     return np.asarray(
         (white - black >= _LEAST_CONTRAST * spread) & (white > black) & (wrong <= _MOST_WRONG_BORDER)

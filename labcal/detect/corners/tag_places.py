@@ -1,7 +1,7 @@
 """The tags of an AprilGrid that are where the grid has them, and the places of others beside them."""
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int
 
 from labcal.arrays import Pixels
 from labcal.detect.corners.marker_places import SeenMarkers, markers_that_agree, through_markers
@@ -21,7 +21,12 @@ def cells_along(grid: AprilGrid) -> int:
 
 def tag_corners(grid: AprilGrid) -> Float64[np.ndarray, "n 4 2"]:
     """Return the corners of every tag on the board, in tags, anticlockwise from the lower left one."""
-    row, col = np.divmod(np.arange(grid.tag_count), grid.tag_cols)
+    return corners_of_tags(grid, np.arange(grid.tag_count))
+
+
+def corners_of_tags(grid: AprilGrid, number: Int[np.ndarray, " n"]) -> Float64[np.ndarray, "n 4 2"]:
+    """Return the corners of some tags, as :func:`tag_corners`; and of rows beyond the grid."""
+    row, col = np.divmod(number, grid.tag_cols)
     lower_left = (1.0 + grid.tag_spacing) * np.stack([col, row], axis=-1)
     return np.asarray(lower_left[:, None] + np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]))
 

@@ -11,7 +11,7 @@ from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.corners.node_grid import NodeGrid, median_around
 from labcal.detect.corners.tag_tone_kernel import Stack, curve_equations, curve_steps
 from labcal.detect.lattice.lattice import Node
-from labcal.detect.medians import median_of
+from labcal.detect.medians import DEVIATIONS_A_MAD, median_of
 from labcal.detect.stage_settings.corner import CornerSettings
 
 _MOST_ROUNDS = 4
@@ -22,8 +22,8 @@ _NEAR = 2
 """Nodes to either side whose curves have one median, against the corners' noise."""
 _SIGMAS = 3.0
 """Deviations at which the curve of all corners of a picture is not chance."""
-_DEVIATIONS_A_MAD, _MEDIAN_SHARE = 1.4826, 1.2533
-"""Standard deviation over the median absolute deviation, and that of a median over that of a mean: normal."""
+_MEDIAN_SHARE = 1.2533
+"""Standard deviation of a median over that of a mean: normal."""
 
 
 def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings) -> dict[Node, SettledCorner]:
@@ -92,5 +92,5 @@ def _stacked(windows: list[CornerPixels]) -> tuple[np.ndarray, Stack]:
 def _is_distinct(curves: np.ndarray) -> bool:
     """Return whether the median of curves (n,) is not 0 by chance."""
     middle = float(np.median(curves))
-    spread = _DEVIATIONS_A_MAD * float(np.median(np.abs(curves - middle)))
+    spread = DEVIATIONS_A_MAD * float(np.median(np.abs(curves - middle)))
     return bool(abs(middle) * np.sqrt(len(curves)) > _SIGMAS * _MEDIAN_SHARE * spread)

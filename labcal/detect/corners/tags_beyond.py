@@ -5,7 +5,7 @@ import numpy as np
 from labcal.arrays import Pixels
 from labcal.detect.corners.marker_places import through_markers
 from labcal.detect.corners.tag_codes import SeenTags
-from labcal.detect.corners.tag_places import tag_corners
+from labcal.detect.corners.tag_places import corners_of_tags, tag_corners
 from labcal.targets.april_grid import AprilGrid
 
 _NEAREST = 3
@@ -13,7 +13,6 @@ _NEAREST = 3
 _NEAR = 0.3
 """Distance of its corners from their prediction, of a side."""
 _FEWEST = 2
-_UNIT = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
 
 def first_id_of_rows(seen: SeenTags, placed: dict[int, Pixels], grid: AprilGrid) -> int | None:
@@ -53,7 +52,7 @@ def _goes_on(number: int, corners: Pixels, placed: dict[int, Pixels], grid: Apri
     known = np.array(sorted(placed))
     away = np.maximum(np.abs(known // grid.tag_cols - row), np.abs(known % grid.tag_cols - col))
     near = known[np.argsort(away, kind="stable")[:_NEAREST]]
-    place = (1.0 + grid.tag_spacing) * np.array([col, row]) + _UNIT
+    place = corners_of_tags(grid, np.array([number]))[0]
     expected = through_markers(np.array([placed[k] for k in near.tolist()]), tag_corners(grid)[near], place)
     side = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).min()
     return bool((np.linalg.norm(corners - expected, axis=1) < _NEAR * side).all())

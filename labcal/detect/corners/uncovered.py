@@ -3,6 +3,7 @@
 import numpy as np
 
 from labcal.detect.compiled import compiled
+from labcal.detect.medians import DEVIATIONS_A_MAD
 
 _BESIDE = 2
 """Pixels to either side whose residuals are looked at together."""
@@ -12,8 +13,6 @@ _SIDES = 0.5
 """Pattern beyond which pixels are white or black ones; between lie those of edges, where rays have noise."""
 _FEWEST = 25
 """Pixels of a kind whose noise is estimated."""
-_OF_MEDIAN = 1.4826
-"""Standard deviation of normal residuals, in the median of their sizes."""
 _BLURS = 3.0
 """So far in front of the print a cover's edge is blurred."""
 
@@ -38,7 +37,7 @@ def noise_around(residual: np.ndarray, pattern: np.ndarray, least: float) -> np.
     for one in (-1, 0, 1):
         which = kind == one
         if which.sum() >= _FEWEST:
-            noise[which] = max(least, _OF_MEDIAN * float(np.median(np.abs(residual[which]))))
+            noise[which] = max(least, DEVIATIONS_A_MAD * float(np.median(np.abs(residual[which]))))
     return noise
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from labcal.detect.compiled import compiled
 from labcal.detect.edges.edge_limits import EdgeLimits
+from labcal.detect.medians import DEVIATIONS_A_MAD
 from labcal.detect.row_products import copy_columns
 
 
@@ -127,7 +128,7 @@ def without_clutter(
     if suspects == 0:
         return band
     size, away = np.abs(found[0]), np.abs(found[1]) > limits.near_flat_blurs
-    clutter = (size > max(limits.clutter_sigma * 1.4826 * np.median(size), least)) & away
+    clutter = (size > max(limits.clutter_sigma * DEVIATIONS_A_MAD * np.median(size), least)) & away
     keep = np.ones(count, dtype=np.bool_)
     for j in np.flatnonzero(clutter):
         near = np.maximum(np.abs(pixels[0] - pixels[0, j]), np.abs(pixels[1] - pixels[1, j]))

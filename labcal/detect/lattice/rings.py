@@ -8,12 +8,10 @@ import numpy as np
 from labcal.detect.flags import Refusal
 from labcal.detect.lattice.beside import step_lengths
 from labcal.detect.lattice.lattice import Lattice, Node
-from labcal.detect.medians import median_of
+from labcal.detect.medians import DEVIATIONS_A_MAD, median_of
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.stage_settings.grid import GridSettings
 from labcal.targets.grid import DotGrid, Rings
-
-_SIGMA = 1.4826  # standard deviations over the median of absolute deviations
 
 TURNS = tuple(
     np.array(turn) for turn in ([[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]])
@@ -50,7 +48,7 @@ def ring_nodes(lattice: Lattice, outlines: Outlines, settings: GridSettings) -> 
     """Return the nodes whose dot is bright in the middle, less so in a blurred picture."""
     hole = outlines.hole[lattice.numbers]
     usual = median_of(hole)
-    scatter = _SIGMA * median_of(np.abs(hole - usual))
+    scatter = DEVIATIONS_A_MAD * median_of(np.abs(hole - usual))
     stands_out = usual + settings.ring_outlier_sigma * scatter
     limit = float(np.clip(stands_out, settings.faint_hole_share, settings.ring_hole_share))
     return {(a, b) for a, b in lattice.nodes[hole > limit].tolist()}

@@ -11,11 +11,10 @@ from labcal.detect.marks.picture_marks import MarkFlag
 from labcal.detect.marks.ring_blur import RingBlur
 from labcal.detect.marks.ring_likelihood import ring_likelihoods
 from labcal.detect.marks.ring_samples import RingSamples
+from labcal.detect.medians import DEVIATIONS_A_MAD
 from labcal.detect.stage_settings.mark import MarkSettings
 from labcal.targets.ring_codes import CodeBook
 
-_NORMAL = 1.4826
-"""Standard deviation of normal errors over the median of their sizes."""
 _ROUNDS = 2
 _FEWEST = 8
 """Samples in sight, by which the noise is measured."""
@@ -85,7 +84,7 @@ def read_ring(samples: RingSamples, blur: RingBlur, book: CodeBook, settings: Ma
     ink = np.einsum("waj,wj->wa", blur.between[start], book.words[row].astype(np.float64))
     printed = ink * blur.gap, ink * blur.ring, ink * blur.paper
     beside = np.abs(np.concatenate([samples.gap, samples.paper]))
-    usual = _NORMAL * float(np.nanmedian(beside))
+    usual = DEVIATIONS_A_MAD * float(np.nanmedian(beside))
     sigma = np.clip(usual, settings.least_sigma_share, settings.max_sigma_share)
     weight = settings.sample_weight_share
     for _ in range(_ROUNDS):

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from labcal.detect.grey import GreyPicture
+from labcal.detect.medians import DEVIATIONS_A_MAD
 from labcal.targets.coded_dots import QUIET, RING_INNER, RING_OUTER
 
 PER_SECTOR = 8
@@ -17,7 +18,7 @@ RING_RADII = tuple(RING_INNER + share * (RING_OUTER - RING_INNER) for share in (
 GAP_RADII = tuple(1.0 + share * (RING_INNER - 1.0) for share in (0.4, 0.5, 0.6))
 PAPER_RADII = tuple(RING_OUTER + share * (QUIET - RING_OUTER) for share in (0.4, 0.5, 0.6))
 _ROUNDS = 4
-_OUTLIER = 2.0 * 1.4826
+_OUTLIER = 2.0 * DEVIATIONS_A_MAD
 _LEAST_OUTLIER = 0.04
 _LEAST_LIGHT = 0.1
 """Of that on the dot: a plane that is far off would make it negative."""

@@ -18,10 +18,11 @@ from labcal.geometry.poses import transform
 from labcal.render.bands import ROWS, strips
 from labcal.render.development import develop
 from labcal.render.film import CELLS_AT_ONCE
-from labcal.render.point_spread import cells, finer, gathered, reach
+from labcal.render.point_spread import cells, finer, gathered, in_cells, reach
 from labcal.render.sensor_response import Shot, exposure_for, read_sensor
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry, PictureFormat, Stage
+from labcal.shoot.pictures import through_jpeg
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.grid import DotGrid, Polarity
 
@@ -90,11 +91,11 @@ def drawn_view(
         rows = wide.stop - wide.start
         fine = np.full((cells_a_pixel * rows, cells_a_pixel * width), BACKGROUND, dtype=np.float32)
         first = corner + np.array([0, wide.start])
-        sheet = np.rint(cells_a_pixel * (edge.q[edge.ok] - first + 0.5) - 0.5)
+        sheet = np.rint(in_cells(edge.q[edge.ok] - first, cells_a_pixel))
         cv2.fillPoly(fine, [sheet.astype(np.int32)], paper)
         for some, times in outlines:
             for outline in some:
-                _fill(fine, cells_a_pixel * (outline - first + 0.5) - 0.5, times * (ink - paper))
+                _fill(fine, in_cells(outline - first, cells_a_pixel), times * (ink - paper))
         seen = gathered(cells(fine, cells_a_pixel), blur_px)
         light[own] = seen[own.start - wide.start : own.stop - wide.start]
     light *= relative_light(camera, photometry, corner, end)
@@ -201,6 +202,4 @@ def taken_picture(light: np.ndarray, photometry: Photometry, shot: Shot) -> np.n
     picture = develop(codes, photometry, exposure)
     if photometry.format is not PictureFormat.JPEG:
         return picture
-    stored = picture[..., ::-1] if photometry.bayer else picture
-    _, data = cv2.imencode(".jpg", stored, [cv2.IMWRITE_JPEG_QUALITY, photometry.jpeg_quality])
-    return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED))
+    return through_jpeg(picture, photometry.jpeg_quality)

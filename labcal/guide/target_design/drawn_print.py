@@ -7,7 +7,7 @@ from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.geometry.poses import transform
 from labcal.guide.rehearsal.drawn_view import BACKGROUND, board_edge, cut_out, relative_light, taken_picture
-from labcal.render.point_spread import cells, gathered
+from labcal.render.point_spread import cells, gathered, in_cells
 from labcal.render.sensor_response import Shot
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry
@@ -55,14 +55,14 @@ def drawn_print(
     for ring in _polygons(target, _PIECE_PX / max(scale, 1e-9)):
         image = camera.project(transform(T_world_target, np.column_stack([ring, np.zeros(len(ring))])))
         if image.ok.all():
-            place = ((image.q - corner + 0.5) * _FINER - 0.5) * 2**_SHIFT
+            place = in_cells(image.q - corner, _FINER) * 2**_SHIFT
             parts.append(np.rint(place).astype(np.int32))
     cv2.fillPoly(fine, parts, 255, lineType=cv2.LINE_8, shift=_SHIFT)
     size = (_CELLS * width, _CELLS * height)
     share = cv2.resize(fine, size, interpolation=cv2.INTER_AREA).astype(np.float32) / np.float32(255.0)
     paper, ink = Board().light[0], Board().dark[0]
     light = np.full(share.shape, BACKGROUND, dtype=np.float32)
-    cv2.fillPoly(light, [np.rint(_CELLS * (edge.q[edge.ok] - corner + 0.5) - 0.5).astype(np.int32)], paper)
+    cv2.fillPoly(light, [np.rint(in_cells(edge.q[edge.ok] - corner, _CELLS)).astype(np.int32)], paper)
     light += share * np.float32(ink - paper)
     seen = gathered(cells(light, _CELLS), photometry.blur_px)
     seen *= relative_light(camera, photometry, corner, end)

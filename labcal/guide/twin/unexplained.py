@@ -11,10 +11,10 @@ from labcal.guide.twin.picture import TwinPicture
 from labcal.guide.twin.residuals import DotResiduals
 from labcal.guide.twin.unexplained_positions import Unexplained, unexplained_positions
 from labcal.guide.twin.verdicts import BLUR_SHARE, LOUD, PictureVerdict, is_unusual, usual_blur
+from labcal.shoot.pictures import is_lossy
 from labcal.wording import listed
 
 _SHOWN = 4
-_LOSSY = (".jpg", ".jpeg", ".webp")
 
 
 def unexplained(
@@ -117,7 +117,7 @@ def _pixels(pictures: Sequence[TwinPicture], names: list[str]) -> list[Unexplain
 def _compressed(pictures: Sequence[TwinPicture], which: np.ndarray) -> str:
     """Return a remark where the compression of some of the pictures is not simulated."""
     shown = [one for one, is_shown in zip(pictures, which, strict=True) if is_shown]
-    lossy = sum(one.image.lower().endswith(_LOSSY) and not one.is_compressed for one in shown)
+    lossy = sum(is_lossy(one.image) and not one.is_compressed for one in shown)
     if not lossy:
         return ""
     return (
