@@ -92,24 +92,33 @@ def seen_lines(
     where they change along one axis only, none of the other axis.
     """
     x, x_end, y, y_end = near_x[0], near_x[1], near_y[0], near_y[1]
-    while x < x_end and _alike_beside(cells, x, (y, y_end)):
+    while x < x_end and _alike_beside_x(cells, x, (y, y_end)):
         x += 1
-    while x < x_end and _alike_beside(cells, x_end - 1, (y, y_end)):
+    while x < x_end and _alike_beside_x(cells, x_end - 1, (y, y_end)):
         x_end -= 1
-    while y < y_end and _alike_beside(cells.T, y, (x, x_end)):
+    while y < y_end and _alike_beside_y(cells, y, (x, x_end)):
         y += 1
-    while y < y_end and _alike_beside(cells.T, y_end - 1, (x, x_end)):
+    while y < y_end and _alike_beside_y(cells, y_end - 1, (x, x_end)):
         y_end -= 1
     return (x, x_end), (y, y_end)
 
 
 @compiled
-def _alike_beside(cells: np.ndarray, line: int, near: tuple[int, int]) -> bool:
-    """Return whether cells on both sides of a line of the first axis are the same, between others near."""
-    alike = True
-    for j in range(near[0], near[1] + 1):
-        alike = alike and cells[line, j] == cells[line + 1, j]
-    return alike
+def _alike_beside_x(cells: np.ndarray, line: int, near: tuple[int, int]) -> bool:
+    """Return whether cells on both sides of a line along x are the same, those between near lines of y."""
+    for j in range(near[0], near[1] + 1):  # noqa: SIM110 -- Numba has no generators in `all`
+        if cells[line, j] != cells[line + 1, j]:
+            return False
+    return True
+
+
+@compiled
+def _alike_beside_y(cells: np.ndarray, line: int, near: tuple[int, int]) -> bool:
+    """Return the same of a line along y. Transposed cells in the other one take a tenth of all time more."""
+    for i in range(near[0], near[1] + 1):  # noqa: SIM110 -- the same
+        if cells[i, line] != cells[i, line + 1]:
+            return False
+    return True
 
 
 @compiled
