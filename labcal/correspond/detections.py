@@ -233,12 +233,15 @@ class Detections(PictureLines):
 
     def _summary(self) -> Mapping[str, object]:
         boards = {"boards": list(self.boards)} if self.boards else {}
+        dots = int(self.has_id.sum())
+        spots = {"without_id": len(self) - dots} if dots < len(self) else {}
         return {
             "views": len(self.views),
             "cameras": list(self.cameras),
             **boards,
-            "dots": len(self),
+            "dots": dots,
             "ok": int(self.ok.sum()),
+            **spots,
         }
 
     def _html_tables(self) -> Sequence[HtmlTable]:

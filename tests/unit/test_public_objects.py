@@ -99,6 +99,10 @@ def test_a_table_takes_what_numpy_takes() -> None:
     assert repr(table) == "Detections(views=1, cameras=['left'], dots=2, ok=1)"
 
 
+def test_a_spot_without_an_id_is_not_counted_as_a_dot() -> None:
+    assert repr(spoilt()).endswith("dots=1407, ok=1407, without_id=1)")
+
+
 @pytest.mark.parametrize(
     ("column", "value", "error", "told"),
     [
