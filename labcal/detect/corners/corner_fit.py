@@ -237,9 +237,10 @@ def _judged_together(fits: list[SettledCorner], settings: CornerSettings) -> lis
     else:
         all_, which = pack([fit.window for fit in fits]), np.arange(len(fits))
     states, free = np.array([fit.state for fit in fits]), np.array([fit.free for fit in fits])
-    patterns, bends = np.array([one.pattern for one in pixels]), np.array([one.bend for one in pixels])
+    patterns, tones = np.array([one.pattern for one in pixels]), np.array([one.tone for one in pixels])
+    bends = np.array([one.bend for one in pixels])
     limits = settings.limits(JudgementLimits)
-    ok, *parts = judgements((all_, which), patterns, bends, (states, free), limits)
+    ok, *parts = judgements((all_, which), (patterns, tones, bends), (states, free), limits)
     rows = zip(fits, ok.tolist(), centres_of(fits), *parts[:-1], parts[-1].tolist(), strict=True)
     return [
         CornerFit(centre, covariance, fit.roughness, sums, powers, reach) if fine else None

@@ -17,6 +17,7 @@ from labcal.detect.corners.blurred_board import (
 from labcal.detect.corners.corner_chunks import BOARD, CHUNK, OFF_EDGES, A, B, Room, X, Y, room_of
 from labcal.detect.corners.corner_rows import RESIDUAL, ROWS, Turned, write_distances, write_rows
 from labcal.detect.corners.quadrature import quadrature
+from labcal.detect.corners.tone_curve import tone_chunk
 from labcal.detect.row_products import add_own_products, copy_columns, filled_up
 
 PARAMETERS = 10
@@ -41,8 +42,8 @@ class FitLimits(NamedTuple):
     min_blur_px: float
 
 
-Pixels = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]
-"""Offsets (2, n), values (n,), gap (2,), bend (2,) and the pattern of
+Pixels = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int, float]
+"""Offsets (2, n), values (n,), gap (2,), bend (2,), the pattern and the tone of
 :class:`labcal.detect.corners.corner_model.CornerPixels`."""
 
 
@@ -123,6 +124,8 @@ def _linearised(
         make_wedge(room.space)
     else:
         darken(room.space, pixels[2][0] / state[4], pixels[2][1] / state[5])
+    if pixels[5] != 0.0:
+        tone_chunk(room.space, pixels[5])
     write_rows(state, turned, room.kept[chunk], room.space)
     return taken
 

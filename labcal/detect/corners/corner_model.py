@@ -27,6 +27,8 @@ class CornerPixels:
         :data:`~labcal.detect.corners.corner_kernel.WEDGE`.
     bend : ndarray, shape (2,)
         Curvature of either edge towards its normal, 1/px, as a lens bends it; taken for known.
+    tone : float
+        The c of the :mod:`~labcal.detect.corners.tone_curve` of the pattern; taken for known.
     """
 
     mask: np.ndarray
@@ -35,11 +37,12 @@ class CornerPixels:
     gap: np.ndarray
     pattern: int = CHESSBOARD
     bend: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    tone: float = 0.0
 
     @property
     def arrays(self) -> Pixels:
         """The same for compiled code."""
-        return np.ascontiguousarray(self.offset), self.value, self.gap, self.bend, self.pattern
+        return np.ascontiguousarray(self.offset), self.value, self.gap, self.bend, self.pattern, self.tone
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ class LinearisedCorner:
     residual: Float64[np.ndarray, " n"]
     jacobian: Float64[np.ndarray, "parameters n"]
     board: Float64[np.ndarray, " n"]
-    """The modelled pattern, from -1 (black) to 1 (white)."""
+    """The modelled pattern, from -1 (black) to 1 (white), as the tone curve shows it."""
     off_edges: Float64[np.ndarray, " n"]
     """The smaller distance of every pixel from the two edges, in blurs."""
 

@@ -66,11 +66,11 @@ def packed(windows: Sequence[Window]) -> PackedPixels:
 
 
 @compiled
-def pixels_of(all_: PackedPixels, k: int, bend: np.ndarray, pattern: int) -> Pixels:
+def pixels_of(all_: PackedPixels, k: int, bend: np.ndarray, pattern: int, tone: float) -> Pixels:
     """Return the pixels of one corner."""
     first, last = all_.ends[k, 0], all_.ends[k + 1, 0]
     offset = all_.offset[2 * first : 2 * last].reshape(2, last - first)
-    return offset, all_.value[first:last], all_.gap[k], bend, pattern
+    return offset, all_.value[first:last], all_.gap[k], bend, pattern, tone
 
 
 @compiled
@@ -103,13 +103,15 @@ class PackedCorner(NamedTuple):
         Of the corner.
     bend : ndarray, shape (2,)
     pattern : int
-        Both as of :class:`~labcal.detect.corners.corner_model.CornerPixels`.
+    tone : float
+        All as of :class:`~labcal.detect.corners.corner_model.CornerPixels`.
     """
 
     all_: PackedPixels
     number: int
     bend: np.ndarray
     pattern: int = CHESSBOARD
+    tone: float = 0.0
 
     def unpacked(self) -> CornerPixels:
         """Return the pixels, as views."""
@@ -117,4 +119,4 @@ class PackedCorner(NamedTuple):
         (first, at), (last, end) = all_.ends[k].tolist(), all_.ends[k + 1].tolist()
         mask = all_.mask[at:end].reshape(all_.shape[k].tolist())
         offset, value = all_.offset[2 * first : 2 * last].reshape(2, -1), all_.value[first:last]
-        return CornerPixels(mask, offset, value, all_.gap[k], self.pattern, self.bend)
+        return CornerPixels(mask, offset, value, all_.gap[k], self.pattern, self.bend, self.tone)

@@ -106,7 +106,7 @@ def wide_fits(
         windows.append((mask, offset, value, gap))
         if len(value) < own.min_pixels:
             continue
-        pixels = (offset, value, gap, bends[k], CHESSBOARD)
+        pixels = (offset, value, gap, bends[k], CHESSBOARD, 0.0)
         rms[k] = settled_with(state, pixels, (own.first_tolerance_px, PARAMETERS), newton, normals[k])
         ok[k] = (
             rms[k] >= 0.0
@@ -140,7 +140,7 @@ def light_fits(
     own, newton = limits
     rms = np.full(len(states), -1.0)
     for k in range(len(states)):
-        window = pixels_of(all_, which[k], bends[k], patterns[k])
+        window = pixels_of(all_, which[k], bends[k], patterns[k], 0.0)
         if len(window[1]) >= own.min_pixels:
             rms[k] = settled(states[k], window, (own.tolerance_px, LIGHT_KNOWN), newton)
     return rms
@@ -149,22 +149,22 @@ def light_fits(
 @compiled
 def judgements(
     pixels: tuple[PackedPixels, np.ndarray],
-    patterns: np.ndarray,
-    bends: np.ndarray,
+    shapes: tuple[np.ndarray, np.ndarray, np.ndarray],
     fits: tuple[np.ndarray, np.ndarray],
     limits: JudgementLimits,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return whether there are pixels enough (n,), covariances, sums, powers and reaches of fits.
 
-    `pixels` are those of some corners, and which of them each fit is of (n,). `fits` holds the states
-    (n, PARAMETERS), and how many of the parameters were fitted (n,).
+    `pixels` are those of some corners, and which of them each fit is of (n,); `shapes` their patterns (n,),
+    tones (n,) and bends (n, 2). `fits` holds the states (n, PARAMETERS), and how many of the parameters were
+    fitted (n,).
     """
-    (all_, which), (states, free) = pixels, fits
+    (all_, which), (patterns, tones, bends), (states, free) = pixels, shapes, fits
     n = len(states)
     ok, reach = np.zeros(n, dtype=np.bool_), np.zeros(n)
     covariance, sums, powers = np.zeros((n, 2, 2)), np.zeros((n, LAGS, SUMS)), np.zeros((n, WAVES, 2))
     for k in range(n):
-        window = pixels_of(all_, which[k], bends[k], patterns[k])
+        window = pixels_of(all_, which[k], bends[k], patterns[k], tones[k])
         fine, own, products, waves, far = judged(states[k], window, mask_of(all_, which[k]), free[k], limits)
         if fine:
             ok[k], covariance[k], sums[k], powers[k], reach[k] = fine, own, products, waves, far

@@ -47,7 +47,7 @@ def first_fit(
     if len(window[2]) < own.min_pixels:
         return False, state, window, 0.0
     _begin(state, window[2], (axes, around.white, blur))
-    pixels = (window[1], window[2], window[3], bend, CHESSBOARD)
+    pixels = (window[1], window[2], window[3], bend, CHESSBOARD, 0.0)
     if settled(state, pixels, (own.first_tolerance_px, PARAMETERS), newton) < 0.0:
         return False, state, window, 0.0
     # What is left out around markers follows the blur, now that it is known.
@@ -93,7 +93,7 @@ def _settled_in(
     min_pixels, tolerance_px = least
     if len(window[2]) < min_pixels:
         return -1.0
-    pixels = (window[1], window[2], window[3], bend, CHESSBOARD)
+    pixels = (window[1], window[2], window[3], bend, CHESSBOARD, 0.0)
     rms: float = settled(state, pixels, (tolerance_px, PARAMETERS), newton)
     return rms
 

@@ -10,7 +10,7 @@ from labcal.detect.corners.board_print import BoardPrint
 from labcal.detect.corners.printed_fit import PrintedCorner
 from labcal.detect.corners.printed_kernel import empty_rows, fill_printed
 from labcal.detect.corners.printed_lines import line_derivatives
-from labcal.detect.corners.tone_curve import by_tone
+from labcal.detect.corners.tone_curve import MOST_TONE, by_tone
 
 _MOST = 24
 """Corners that tell the departures, spread over those that are measured."""
@@ -105,6 +105,7 @@ def print_errors(design: BoardPrint, before: PrintErrors, fits: Iterable[Printed
     if free.any():
         own = information[np.ix_(free, free)]
         values[free], covariance[np.ix_(free, free)] = np.linalg.solve(own, right[free]), np.linalg.inv(own)
+    values[-1] = np.clip(values[-1], -MOST_TONE, MOST_TONE)
     return PrintErrors(values, covariance)
 
 

@@ -127,7 +127,7 @@ def _first_fit(
         window = _darkened(grey, place, (form, own.marker_guard_blurs), (edges, opposite, white), state)
         if len(window[2]) < own.min_pixels:
             return False, state, window, 0.0
-        pixels = (window[1], window[2], far, straight, CHESSBOARD)
+        pixels = (window[1], window[2], far, straight, CHESSBOARD, 0.0)
         rms = settled(state, pixels, (tolerance, PARAMETERS), newton)
         if rms < 0.0:
             return False, state, window, 0.0

@@ -1,4 +1,4 @@
-"""Corners of tags without the shift of edges by a tone curve or by ink that has spread."""
+"""Corners of tags fitted with the tone curve, which shifts their edges, or with ink that has spread."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -10,6 +10,7 @@ from labcal.detect.corners.corner_kernel import FitLimits
 from labcal.detect.corners.corner_model import CornerPixels
 from labcal.detect.corners.node_grid import NodeGrid, median_around
 from labcal.detect.corners.tag_tone_kernel import Stack, curve_equations, curve_steps
+from labcal.detect.corners.tone_curve import MOST_TONE
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.medians import DEVIATIONS_A_MAD, median_of
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -27,17 +28,16 @@ _MEDIAN_SHARE = 1.2533
 
 
 def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings) -> dict[Node, SettledCorner]:
-    """Return converged fits without the curve of the tone around each, which is no part of their model.
+    """Return converged fits of pictures by the tone curve around each.
 
     Where grey values are a curved function of light, or ink has spread, all edges seem to move into the black
     or out of it. At a chessboard's corner this is the same on opposite sides, and does not move it. A tag's
     edges are longer than those of the small square at its corner: lines through both then miss the corner.
-    To the second order a tone curve adds ``c h (1 - X^2)`` to the picture with half step h and pattern X; so
-    does, to the first order, a shift of all edges. c is the median of the least squares of the corners
-    around; none is taken out where it is not distinct from 0 over all corners.
+    The curve is that of :mod:`~labcal.detect.corners.tone_curve`, whose first order is also that of a shift
+    of all edges. Its c is the median of the least squares of the corners around, and 0 where it is not
+    distinct from 0 over all corners.
 
-    Curve and fits converge together: each step of Gauss-Newton is that of the residuals less the curve that
-    is known so far.
+    Curve and fits converge together: each step of Gauss-Newton has the curve that is known so far.
 
     Parameters
     ----------
@@ -53,23 +53,25 @@ def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings)
     if not fits:
         return {}
     every = list(fits.values())
-    start, stack = _stacked([fit.window for fit in every])
+    stack = _stacked([fit.window for fit in every])
     states, free = np.array([fit.state for fit in every]), np.array([fit.free for fit in every])
     grid, limits = NodeGrid.of(list(fits)), settings.limits(FitLimits)
-    total, bumps = np.zeros(len(every)), np.zeros(start[-1])
+    tones = np.zeros(len(every))
     for number in range(_MOST_ROUNDS):
-        curves, products = curve_equations(states, stack, free, total, bumps)
-        is_curved = number > 0 or _is_distinct(curves)
-        near = median_around(grid.spread(curves), _NEAR)[grid.at] if is_curved else np.zeros(len(every))
-        total += near
-        steps, squares = curve_steps(states, products, free, near, limits)
+        changes, products = curve_equations(states, stack, free, tones)
+        is_curved = number > 0 or _is_distinct(changes)
+        if is_curved:
+            around = median_around(grid.spread(tones + changes), _NEAR)[grid.at]
+            changes = np.clip(around, -MOST_TONE, MOST_TONE) - tones
+        else:
+            changes = np.zeros(len(every))
+        tones += changes
+        steps, squares = curve_steps(states, products, free, changes, limits)
         if not is_curved or median_of(steps) <= settings.tolerance_px:
             break
     found, most = {}, _WORST_STEPS * settings.tolerance_px if is_curved else settings.tolerance_px
     for k, (node, fit) in enumerate(fits.items()):
-        window = fit.window
-        if is_curved:
-            window = replace(window, value=window.value - total[k] * bumps[start[k] : start[k + 1]])
+        window = replace(fit.window, tone=float(tones[k]))
         rms = float(np.sqrt(squares[k] / len(window.value)))
         if steps[k] > most:
             rms = settle(states[k], window, settings.tolerance_px, settings, fit.free)
@@ -79,14 +81,14 @@ def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings)
     return found
 
 
-def _stacked(windows: list[CornerPixels]) -> tuple[np.ndarray, Stack]:
-    """Return the first pixels of windows and the end, and all of them for compiled code."""
+def _stacked(windows: list[CornerPixels]) -> Stack:
+    """Return the pixels of windows for compiled code."""
     start = np.concatenate([[0], np.cumsum([len(one.value) for one in windows])])
     offset, value = (
         np.concatenate([getattr(one, part) for one in windows], axis=-1) for part in ("offset", "value")
     )
     gap, bend = (np.array([getattr(one, part) for one in windows]) for part in ("gap", "bend"))
-    return start, (start, offset, value, gap, bend, windows[0].pattern)
+    return start, offset, value, gap, bend, windows[0].pattern
 
 
 def _is_distinct(curves: np.ndarray) -> bool:

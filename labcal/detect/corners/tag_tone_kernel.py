@@ -7,9 +7,10 @@ import numpy as np
 from labcal.detect.cholesky import factorise, solve
 from labcal.detect.compiled import compiled
 from labcal.detect.corners.corner_kernel import PARAMETERS, FitLimits, fill_jacobian
+from labcal.detect.corners.tone_curve import by_tone, tone_terms, untoned
 from labcal.detect.row_products import add_own_products, filled_up
 
-_BUMP, _RESIDUAL, _ROWS = PARAMETERS, PARAMETERS + 1, PARAMETERS + 2
+_TONE, _RESIDUAL, _ROWS = PARAMETERS, PARAMETERS + 1, PARAMETERS + 2
 """Rows of the derivative by the curve, and of the residuals, below those of the parameters; and all."""
 _RIDGE, _SINGULAR = 1e-9, 1e-12
 _FIRST_BLUR, _LAST_BLUR = 4, 5
@@ -22,7 +23,7 @@ other."""
 
 @compiled
 def curve_equations(
-    states: np.ndarray, stack: Stack, free: np.ndarray, total: np.ndarray, bumps: np.ndarray
+    states: np.ndarray, stack: Stack, free: np.ndarray, total: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the curve of every corner beside its other parameters, and what the fit's next step takes.
 
@@ -33,14 +34,12 @@ def curve_equations(
     free : ndarray of int, shape (n,)
         Parameters that are fitted, from the first one on.
     total : ndarray, shape (n,)
-        Curve that is taken out already.
-    bumps : ndarray, shape (pixels,)
-        ``h (1 - X^2)`` at the states, grey values; overwritten.
+        The curves as they are known so far.
 
     Returns
     -------
     curves : ndarray, shape (n,)
-        By how much each curve differs from `total`, by least squares.
+        By how much each differs from that, by least squares.
     products : ndarray, shape (n, PARAMETERS + 2, PARAMETERS + 2)
         Lower triangles of the products of the derivatives by the parameters, that by the curve, and the
         residuals with one another.
@@ -50,16 +49,17 @@ def curve_equations(
     curves, products = np.zeros(n), np.zeros((n, _ROWS, _ROWS))
     for c in range(n):
         a, b = start[c], start[c + 1]
-        pixels = (np.ascontiguousarray(offset[:, a:b]), value[a:b], gap[c], bend[c], pattern)
+        pixels = (np.ascontiguousarray(offset[:, a:b]), value[a:b], gap[c], bend[c], pattern, total[c])
         table = np.zeros((_ROWS, filled_up(b - a)))
         board = np.empty(b - a)
         fill_jacobian(states[c], pixels, (table[_RESIDUAL], table[:PARAMETERS], board, np.empty(b - a)))
+        terms = tone_terms(total[c])
+        for k in range(b - a):
+            board[k] = untoned(board[k], terms)
+        slope = by_tone(board, total[c])
         for k in range(b - a):
             light = 1.0 + states[c, 8] * pixels[0][0, k] + states[c, 9] * pixels[0][1, k]
-            bump = light * states[c, 7] * (1.0 - board[k] * board[k])
-            table[_BUMP, k] = bump
-            bumps[a + k] = bump
-            table[_RESIDUAL, k] -= total[c] * bump
+            table[_TONE, k] = light * states[c, 7] * slope[k]
         add_own_products(table, table.shape[1], products[c])
         curves[c] = _curve(products[c], free[c])
     return curves, products
@@ -69,7 +69,7 @@ def curve_equations(
 def _curve(products: np.ndarray, free: int) -> float:
     """Return the curve by least squares with the `free` first parameters, all scaled to equal lengths."""
     size, used = np.empty(free + 1), np.arange(free + 1)
-    used[free] = _BUMP
+    used[free] = _TONE
     scaled, found = np.empty((free + 1, free + 1)), np.empty(free + 1)
     for i in range(free + 1):
         size[i] = max(sqrt(products[used[i], used[i]]), _RIDGE)
@@ -88,7 +88,7 @@ def _curve(products: np.ndarray, free: int) -> float:
 def curve_steps(
     states: np.ndarray, products: np.ndarray, free: np.ndarray, curves: np.ndarray, limits: FitLimits
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Take one step of every fit, in place, less its curve; return the steps, px, and the residuals' squares.
+    """Take one step of every fit, in place, with its curve; return the steps, px, and the residuals' squares.
 
     A step is infinite, and is not taken, where it is longer than the limits allow or not determined.
 
@@ -99,7 +99,7 @@ def curve_steps(
         Of :func:`curve_equations` at the states.
     free : ndarray of int, shape (n,)
     curves : ndarray, shape (n,)
-        To take out besides.
+        By how much the curve changes.
     limits : FitLimits
     """
     n = len(states)
@@ -110,7 +110,7 @@ def curve_steps(
         change[:] = 0.0
         for i in range(count):
             normal[i, i] *= 1.0 + _RIDGE
-            change[i] = gradient[i] = products[c, _RESIDUAL, i] - curve * products[c, _BUMP, i]
+            change[i] = gradient[i] = products[c, _RESIDUAL, i] - curve * products[c, _TONE, i]
         if not factorise(normal, count, _SINGULAR):
             continue
         solve(normal, change[:count])
@@ -118,7 +118,7 @@ def curve_steps(
         if not (hypot(change[0], change[1]) <= limits.max_step_px and turn <= limits.max_turn_rad):
             continue
         left = products[c, _RESIDUAL, _RESIDUAL]
-        left += curve * (curve * products[c, _BUMP, _BUMP] - 2.0 * products[c, _RESIDUAL, _BUMP])
+        left += curve * (curve * products[c, _TONE, _TONE] - 2.0 * products[c, _RESIDUAL, _TONE])
         for i in range(count):
             moved = states[c, i] + change[i]
             if _FIRST_BLUR <= i <= _LAST_BLUR:  # at most doubled or halved
