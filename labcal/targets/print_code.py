@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool
 from matplotlib.path import Path as Outline
 
+from labcal.targets.cell_outlines import cell_outlines, joined, moved
 from labcal.targets.charuco_opencv import opencv_dictionary
 from labcal.targets.code_places import DICTIONARY, NUMBERS, QR, QR_LEFT, RIGHT_TAG_LEFT, TAG, TAG_TOP, tags_of
 from labcal.targets.code_text import text_number
@@ -33,7 +34,7 @@ class PrintCode:
     tags: tuple[Bool[np.ndarray, "8 8"], Bool[np.ndarray, "8 8"]]
 
     def outlines(self, left: float, top: float, unit: float) -> Outline:
-        """Return the outlines of all black cells, runs of a row joined.
+        """Return the outlines of all black cells.
 
         Parameters
         ----------
@@ -47,10 +48,16 @@ class PrintCode:
             (self.qr, QR_LEFT, 0.0, QR),
             (self.tags[1], RIGHT_TAG_LEFT, TAG_TOP, TAG),
         )
-        boxes = np.concatenate([_boxes(cells) * (side / len(cells)) + [x, y] for cells, x, y, side in parts])
-        vertices = np.array([left, top]) + unit * boxes * [1.0, -1.0]
-        codes = [Outline.MOVETO, Outline.LINETO, Outline.LINETO, Outline.LINETO, Outline.CLOSEPOLY]
-        return Outline(vertices.reshape(-1, 2), np.tile(codes, len(boxes)))
+        return joined(
+            [
+                moved(
+                    cell_outlines(cells),
+                    unit * side / len(cells),
+                    np.array([left + unit * x, top - unit * (y + side)]),
+                )
+                for cells, x, y, side in parts
+            ]
+        )
 
 
 def print_code(text: str) -> PrintCode:
@@ -67,13 +74,3 @@ def print_code(text: str) -> PrintCode:
         for tag in tags_of(text_number(text, NUMBERS))
     )
     return PrintCode(text, qr, (left, right))
-
-
-def _boxes(cells: Bool[np.ndarray, "n n"]) -> Float64[np.ndarray, "boxes 5 2"]:
-    """Return the outlines of runs of black cells in a row, closed, in cells, y down."""
-    boxes = []
-    for row, black in enumerate(cells):
-        ends = np.flatnonzero(np.diff(np.concatenate([[0], black.astype(int), [0]])))
-        for a, b in zip(ends[::2], ends[1::2], strict=True):
-            boxes.append([[a, row], [b, row], [b, row + 1], [a, row + 1], [a, row]])
-    return np.array(boxes, dtype=np.float64)

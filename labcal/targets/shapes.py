@@ -5,12 +5,11 @@ from matplotlib.path import Path as Outline
 
 from labcal.errors import InputError
 from labcal.targets.catalogue import AnyTarget
+from labcal.targets.cell_outlines import cell_outlines, joined, moved
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import markers
 from labcal.targets.grid import DotGrid
 from labcal.targets.registry import kind_of, run_part
-
-_SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
 
 
 def printed_outlines(target: AnyTarget) -> Outline:
@@ -51,32 +50,11 @@ def dot_outlines(grid: DotGrid) -> Outline:
 
 
 def charuco_outlines(board: CharucoBoard) -> Outline:
-    """Return the outlines of the black squares and of the black cells of the markers.
-
-    Cells that touch in a row of a marker are one rectangle, so that a viewer draws no hairlines between them.
-    """
+    """Return the outlines of the black squares and of the markers."""
     across, up = board.squares
-    i, j = (k.ravel() for k in np.meshgrid(np.arange(across), np.arange(up)))
-    black = board.is_black(i, j)
-    corners = np.stack([i[black] - 1.0, j[black] - 1.0], axis=-1) * board.square_mm
-    boxes = [np.concatenate([corner, [board.square_mm, board.square_mm]]) for corner in corners]
+    i, j = np.meshgrid(np.arange(across), np.arange(up))
+    squares = moved(cell_outlines(board.is_black(i, j)[::-1]), board.square_mm, np.full(2, -board.square_mm))
     found = markers(board)
-    cells = found.is_black.shape[1]
-    cell = board.marker_mm / cells
-    for corner, is_black in zip(found.corner, found.is_black, strict=True):
-        for row, first, length in _runs(is_black):
-            place = corner + cell * np.array([first, cells - 1 - row])
-            boxes.append(np.concatenate([place, [cell * length, cell]]))
-    box = np.array(boxes)
-    vertices = box[:, None, :2] + _SQUARE * box[:, None, 2:]
-    codes = [Outline.MOVETO, Outline.LINETO, Outline.LINETO, Outline.LINETO, Outline.CLOSEPOLY]
-    return Outline(vertices.reshape(-1, 2), np.tile(codes, len(box)))
-
-
-def _runs(is_black: np.ndarray) -> list[tuple[int, int, int]]:
-    """Return the runs of black cells in a marker's rows: row from the top, first column, length."""
-    runs = []
-    for row, cells in enumerate(is_black):
-        ends = np.flatnonzero(np.diff(np.concatenate([[0], cells.astype(int), [0]])))
-        runs += [(row, int(a), int(b - a)) for a, b in zip(ends[::2], ends[1::2], strict=True)]
-    return runs
+    cell = board.marker_mm / found.is_black.shape[1]
+    pairs = zip(found.corner, found.is_black, strict=True)
+    return joined([squares, *(moved(cell_outlines(is_black), cell, corner) for corner, is_black in pairs)])
