@@ -1,6 +1,6 @@
 """Departures of a print from its design that all corners of a board share: markers off, and tone."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,8 @@ _LEAST_NOISE = 0.1
 """Of a pixel, grey values."""
 _CHANCE = 1e-3
 """Probability that a print that is as designed, in light alone, is taken for another one."""
+_RANK, _ROUNDING = 1e-9, 1e-9
+"""Share of the greatest variance below which there is none, and the change that is none."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +57,10 @@ class PrintErrors:
 
     def are_near(self, before: "PrintErrors") -> bool:
         """Tell whether they differ from those of the round before by less than their own error."""
-        change, free = self.values - before.values, np.diag(self.covariance) > 0.0
-        if change[~free].any():
-            return False
-        own = self.covariance[np.ix_(free, free)]
-        return float(change[free] @ np.linalg.solve(own, change[free])) < 1.0
+        change = self.values - before.values
+        weighed = np.linalg.pinv(self.covariance, rcond=_RANK, hermitian=True) @ change
+        is_free = np.allclose(self.covariance @ weighed, change, rtol=0.0, atol=_ROUNDING)
+        return is_free and float(change @ weighed) < 1.0
 
     def of(self, design: BoardPrint) -> BoardPrint:
         """Return the print with its lines where they are."""
@@ -73,8 +74,10 @@ class PrintErrors:
 def print_errors(design: BoardPrint, before: PrintErrors, fits: Iterable[PrintedCorner]) -> PrintErrors:
     """Return the departures by least squares with all fits' parameters.
 
-    Those of the lines are zero where chance explains them, and so is that of the tone: what is estimated anew
-    in each picture moves all of its corners alike.
+    Three kinds are each zero where chance explains them: the tone, which nearly every camera has; the size of
+    markers, in which spread ink and what the curve of the tone leaves show, and which moves no corner by
+    itself; and all other displacements of lines. What is estimated anew in each picture moves all of its
+    corners alike.
 
     Parameters
     ----------
@@ -92,21 +95,30 @@ def print_errors(design: BoardPrint, before: PrintErrors, fits: Iterable[Printed
         evidence = _Evidence.of(design, fit)
         information += evidence.information
         gradient += evidence.gradient
-    expected = np.array([_LINE**-2.0] * design.count + [_TONE**-2.0])
     right = information @ before.values + gradient
-    information += np.diag(expected)
-    parts = np.arange(size) < design.count, np.arange(size) == design.count
-    free = np.zeros(size, dtype=bool)
+    information += np.diag([_LINE**-2.0] * design.count + [_TONE**-2.0])
     found, of_all = np.linalg.solve(information, right), np.linalg.inv(information)
-    for part in parts:  # the lines, and the tone, which nearly every camera has
-        of_part = float(found[part] @ np.linalg.solve(of_all[np.ix_(part, part)], found[part]))
-        free |= part & (of_part > chdtri(part.sum(), _CHANCE))
-    values, covariance = np.zeros(size), np.zeros((size, size))
-    if free.any():
-        own = information[np.ix_(free, free)]
-        values[free], covariance[np.ix_(free, free)] = np.linalg.solve(own, right[free]), np.linalg.inv(own)
+    free = []
+    for ways in _kinds_of_departures(design.count):
+        along = ways.T @ found
+        if along @ np.linalg.solve(ways.T @ of_all @ ways, along) > chdtri(len(along), _CHANCE):
+            free.append(ways)
+    if not free:
+        return PrintErrors(np.zeros(size), np.zeros((size, size)))
+    ways = np.concatenate(free, axis=1)
+    covariance = ways @ np.linalg.inv(ways.T @ information @ ways) @ ways.T
+    values = covariance @ right
     values[-1] = np.clip(values[-1], -MOST_TONE, MOST_TONE)
     return PrintErrors(values, covariance)
+
+
+def _kinds_of_departures(count: int) -> Iterator[np.ndarray]:
+    """Yield orthonormal directions of each kind, shape (count + 1, m): size of markers, other lines, tone."""
+    lines, own = np.eye(count + 1)[:, :count], count // 2
+    size = (lines[:, [0, own]] - lines[:, [own - 1, count - 1]]).sum(axis=1, keepdims=True) / 2.0
+    yield size
+    yield np.linalg.qr(np.concatenate([size, lines], axis=1))[0][:, 1:count]
+    yield np.eye(count + 1)[:, count:]
 
 
 def with_print_errors(design: BoardPrint, errors: PrintErrors, fit: PrintedCorner) -> PrintedCorner:

@@ -7,6 +7,8 @@ from scipy.special import owens_t
 from scipy.stats import chi2
 
 from labcal.bench.detect.developed import PictureKind, SensorNoise, taken_picture
+from labcal.bench.solve.board_poses import board_poses
+from labcal.bench.solve.board_set import DrawnViews
 from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
 from labcal.detect.corners.corner_kernel import CHESSBOARD, pattern_values
 from labcal.detect.corners.corner_model import CornerPixels, linearise
@@ -404,3 +406,20 @@ def test_white_pixels_in_bright_light_are_not_taken_for_covered() -> None:
     seen = uncovered(mask, residual[mask], noise_around(residual[mask], pattern, 2.0), 0.8)
     assert not seen[columns >= 32].any()
     assert seen[columns < 25].all()
+
+
+def test_corners_of_a_view_are_not_off_together_where_a_tone_curve_is_no_root() -> None:
+    target = load_target("charuco-12x9")
+    random = np.random.default_rng(2)
+    drawn = DrawnViews.of(target, board_poses(target, 5, random), random)
+    dots, together = drawn.detections, []
+    for name, number in drawn.names.items():
+        for which, camera in enumerate(("left", "right")):
+            some = dots.where(dots.ok & (dots.view == name) & (dots.camera == camera))
+            true = drawn.true_px[number, which, some.index[:, 1] * target.cols + some.index[:, 0]]
+            weight = np.linalg.inv(some.covariance)
+            mean = np.linalg.solve(
+                weight.sum(axis=0), (weight @ (some.position - true)[..., None]).sum(axis=0)
+            )
+            together.append(float(mean[:, 0] @ weight.sum(axis=0) @ mean[:, 0]))
+    assert chi2.sf(sum(together), 2 * len(together)) > 1e-3
