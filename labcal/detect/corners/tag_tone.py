@@ -27,7 +27,7 @@ _MEDIAN_SHARE = 1.2533
 """Standard deviation of a median over that of a mean: normal."""
 
 
-def tone_free_fits(fits: Mapping[Node, SettledCorner], settings: CornerSettings) -> dict[Node, SettledCorner]:
+def fits_by_tone(fits: Mapping[Node, SettledCorner], settings: CornerSettings) -> dict[Node, SettledCorner]:
     """Return converged fits of pictures by the tone curve around each.
 
     Where grey values are a curved function of light, or ink has spread, all edges seem to move into the black

@@ -23,7 +23,7 @@ other."""
 
 @compiled
 def curve_equations(
-    states: np.ndarray, stack: Stack, free: np.ndarray, total: np.ndarray
+    states: np.ndarray, stack: Stack, free: np.ndarray, tones: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the curve of every corner beside its other parameters, and what the fit's next step takes.
 
@@ -33,7 +33,7 @@ def curve_equations(
     stack : tuple
     free : ndarray of int, shape (n,)
         Parameters that are fitted, from the first one on.
-    total : ndarray, shape (n,)
+    tones : ndarray, shape (n,)
         The curves as they are known so far.
 
     Returns
@@ -49,14 +49,14 @@ def curve_equations(
     curves, products = np.zeros(n), np.zeros((n, _ROWS, _ROWS))
     for c in range(n):
         a, b = start[c], start[c + 1]
-        pixels = (np.ascontiguousarray(offset[:, a:b]), value[a:b], gap[c], bend[c], pattern, total[c])
+        pixels = (np.ascontiguousarray(offset[:, a:b]), value[a:b], gap[c], bend[c], pattern, tones[c])
         table = np.zeros((_ROWS, filled_up(b - a)))
         board = np.empty(b - a)
         fill_jacobian(states[c], pixels, (table[_RESIDUAL], table[:PARAMETERS], board, np.empty(b - a)))
-        terms = tone_terms(total[c])
+        terms = tone_terms(tones[c])
         for k in range(b - a):
             board[k] = untoned(board[k], terms)
-        slope = by_tone(board, total[c])
+        slope = by_tone(board, tones[c])
         for k in range(b - a):
             light = 1.0 + states[c, 8] * pixels[0][0, k] + states[c, 9] * pixels[0][1, k]
             table[_TONE, k] = light * states[c, 7] * slope[k]

@@ -11,7 +11,7 @@ from labcal.detect.corners.edge_bends import across_edges
 from labcal.detect.corners.known_light import light_slopes
 from labcal.detect.corners.node_grid import NodeGrid, median_around
 from labcal.detect.corners.tag_saddle import TagSaddle, widened_tag_saddle
-from labcal.detect.corners.tag_tone import tone_free_fits
+from labcal.detect.corners.tag_tone import fits_by_tone
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Node
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -64,14 +64,14 @@ def wider_tag_fits(
             wide[node] = found
     final = {node: fit for k, (node, fit) in enumerate(fits.items()) if np.isnan(bends[k]).any()}
     if not wide:
-        return tone_free_fits(final, settings)
+        return fits_by_tone(final, settings)
     grid, places = NodeGrid.of(list(wide)), np.array([one.centre for one in wide.values()])
     white = np.array([one.state[6] + one.state[7] for one in wide.values()])
     slopes = light_slopes(grid, places, np.where(white > 0.0, white, np.nan), (_LIGHT_NODES, _FEWEST))
     for (node, one), slope, bend in zip(wide.items(), slopes, _bends(wide), strict=True):
         known = not np.isnan(bend).any() and not np.isnan(slope).any()
         final[node] = _with_light(one, slope, bend) if known else fits[node]
-    return tone_free_fits(final, settings)
+    return fits_by_tone(final, settings)
 
 
 def _with_light(wide: SettledCorner, slope: np.ndarray, bend: np.ndarray) -> SettledCorner:

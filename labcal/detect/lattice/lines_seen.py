@@ -19,14 +19,32 @@ def lines_words(nodes: DotIndices, q: Pixels, noun: str, declared: tuple[int, in
     declared : (int, int)
         Columns and rows of the target.
     """
-    first, second = (int(n) for n in np.ptp(nodes, axis=0) + 1)
+    many = (np.ptp(nodes, axis=0) + 1).tolist()
     design = np.column_stack([nodes.astype(np.float64), np.ones(len(nodes))])
     step = np.linalg.lstsq(design, q, rcond=None)[0][0]
-    across, up = (first, second) if abs(step[0]) >= abs(step[1]) else (second, first)
-    return (
-        f"{across} columns and {up} rows of {noun} were seen {where_words(q)}; the target has "
-        f"{declared[0]} and {declared[1]}."
+    across = 0 if abs(step[0]) >= abs(step[1]) else 1
+    words = (
+        f"{many[across]} columns and {many[1 - across]} rows of {noun} were seen {where_words(q)}; "
+        f"the target has {declared[0]} and {declared[1]}."
     )
+    return words + _thin_line_words(nodes, q, noun, across)
+
+
+def _thin_line_words(nodes: DotIndices, q: Pixels, noun: str, across: int) -> str:
+    """Return a sentence on the outermost line of which least is seen, if less than half of it is."""
+    ends = [(axis, end) for axis in (0, 1) for end in (nodes[:, axis].min(), nodes[:, axis].max())]
+    lines = [nodes[:, axis] == end for axis, end in ends]
+    full = [int(np.ptp(nodes[:, 1 - axis])) + 1 for axis, _ in ends]
+    thinnest = min(range(len(ends)), key=lambda k: lines[k].sum() / full[k])
+    seen, axis = int(lines[thinnest].sum()), ends[thinnest][0]
+    if 2 * seen >= full[thinnest]:
+        return ""
+    away = q[lines[thinnest]].mean(axis=0) - q.mean(axis=0)
+    if axis == across:
+        line = f"{'leftmost' if away[0] < 0.0 else 'rightmost'} column"
+    else:
+        line = f"{'top' if away[1] < 0.0 else 'bottom'} row"
+    return f" Of the {line} {seen} of {full[thinnest]} {noun} were seen."
 
 
 def where_words(q: Pixels) -> str:

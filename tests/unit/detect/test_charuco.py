@@ -229,10 +229,15 @@ def test_the_blurred_board_is_what_owens_t_gives(correlation: float) -> None:
     np.testing.assert_allclose(pattern_values(u, correlation, FAR, CHESSBOARD), expected, atol=1e-6)
 
 
-def test_derivatives_agree_with_differences() -> None:
+@pytest.mark.parametrize("tone", [0.0, 0.34, -0.2])
+def test_derivatives_agree_with_differences(tone: float) -> None:
     rng = np.random.default_rng(0)
     window = CornerPixels(
-        np.ones((1, 50), bool), rng.normal(size=(2, 50)) * 4, rng.normal(size=50), np.array([40.0, 50.0])
+        np.ones((1, 50), bool),
+        rng.normal(size=(2, 50)) * 4,
+        rng.normal(size=50),
+        np.array([40.0, 50.0]),
+        tone=tone,
     )
     state = np.array([0.1, 0.2, 0.3, 1.7, 0.9, 0.7, 100, 80, 0.001, 0.002])
     jacobian = linearise(state, window).jacobian
