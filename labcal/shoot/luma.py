@@ -3,7 +3,7 @@
 import numpy as np
 
 from labcal.paths import AnyPath
-from labcal.shoot.pictures import is_lossy
+from labcal.shoot.pictures import is_lossy, through_jpeg
 from labcal.shoot.tone_curve import AnyToneCurve, undone
 
 _REC601 = np.array([0.299, 0.587, 0.114], dtype=np.float32)
@@ -46,3 +46,19 @@ def stored_luma(path: AnyPath, picture: np.ndarray) -> np.ndarray:
         return picture
     luma: np.ndarray = np.rint(picture.astype(np.float32) @ _REC601)
     return luma.astype(picture.dtype)
+
+
+def lossy_picture(picture: np.ndarray, quality: int) -> np.ndarray:
+    """Return a picture as it is measured when it is read again from a JPEG file.
+
+    Parameters
+    ----------
+    picture : ndarray of uint8, shape (height, width) or (height, width, 3)
+        Red, green and blue.
+    quality : int
+
+    Returns
+    -------
+    ndarray of uint8, shape (height, width)
+    """
+    return stored_luma("picture.jpg", through_jpeg(picture, quality))

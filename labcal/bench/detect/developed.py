@@ -16,8 +16,7 @@ from labcal.render.sensor_response import Exposure, Shot, read_sensor
 from labcal.report.bench import Check, Figure, at_most
 from labcal.rng import generator
 from labcal.scene.photometry import Photometry
-from labcal.shoot.luma import stored_luma
-from labcal.shoot.pictures import through_jpeg
+from labcal.shoot.luma import lossy_picture
 
 RADII_PX = (6.0, 10.0, 20.0)
 TILTS_DEG, QUICK_TILTS_DEG = (5.0, 25.0, 45.0, 60.0), (10.0, 60.0)
@@ -142,7 +141,7 @@ def taken_picture(light: np.ndarray, kind: PictureKind, noise: SensorNoise, shot
     picture = develop(codes, photometry, exposure)
     if kind.jpeg_quality is None:
         return picture
-    return stored_luma("picture.jpg", through_jpeg(picture, kind.jpeg_quality))
+    return lossy_picture(picture, kind.jpeg_quality)
 
 
 def covariance_checks(name: str, errors: Pixels, covariance: PixelCovariances) -> list[Check]:

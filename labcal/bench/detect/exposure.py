@@ -1,6 +1,5 @@
 """The exposure of a picture of the suite: light gradient, sensor and file compression."""
 
-import cv2
 import numpy as np
 
 from labcal.arrays import Pixels
@@ -10,6 +9,7 @@ from labcal.bench.held_board import BARE_BOARD
 from labcal.render.development import develop
 from labcal.render.sensor_response import Exposure, Shot, read_sensor
 from labcal.scene.photometry import Photometry
+from labcal.shoot.luma import lossy_picture
 from labcal.shoot.tone_curve import ToneCurve
 
 WHITE = 0.8
@@ -27,7 +27,7 @@ def blur_px(design: PictureDesign, minor_px: np.ndarray) -> float:
 
 
 def exposed_picture(light: np.ndarray, design: PictureDesign, seen: DotVisibility, seed: int) -> np.ndarray:
-    """Return the picture, uint8, in grey or in red, green and blue.
+    """Return the picture, uint8, in grey or in red, green and blue; that of a JPEG file as its luma.
 
     Parameters
     ----------
@@ -48,8 +48,7 @@ def exposed_picture(light: np.ndarray, design: PictureDesign, seen: DotVisibilit
     )
     if design.jpeg_quality is None:
         return picture
-    _, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, design.jpeg_quality])
-    return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED))
+    return lossy_picture(picture, design.jpeg_quality)
 
 
 def _photometry(design: PictureDesign) -> Photometry:

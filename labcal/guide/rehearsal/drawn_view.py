@@ -22,7 +22,7 @@ from labcal.render.point_spread import cells, finer, gathered, in_cells, reach
 from labcal.render.sensor_response import Shot, exposure_for, read_sensor
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry, PictureFormat, Stage
-from labcal.shoot.pictures import through_jpeg
+from labcal.shoot.luma import lossy_picture
 from labcal.targets.catalogue import AnyTarget
 from labcal.targets.grid import DotGrid, Polarity
 
@@ -184,7 +184,7 @@ def _fill(light: np.ndarray, outline: Pixels, contrast: float) -> None:
 
 
 def taken_picture(light: np.ndarray, photometry: Photometry, shot: Shot) -> np.ndarray:
-    """Return the picture that a camera delivers, as it is read from its file.
+    """Return the picture that a camera delivers, as it is measured: that of a lossy file by its luma.
 
     Parameters
     ----------
@@ -202,4 +202,4 @@ def taken_picture(light: np.ndarray, photometry: Photometry, shot: Shot) -> np.n
     picture = develop(codes, photometry, exposure)
     if photometry.format is not PictureFormat.JPEG:
         return picture
-    return through_jpeg(picture, photometry.jpeg_quality)
+    return lossy_picture(picture, photometry.jpeg_quality)
