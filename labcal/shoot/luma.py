@@ -42,10 +42,7 @@ def stored_luma(path: AnyPath, picture: np.ndarray) -> np.ndarray:
     ndarray
         Of the same type, shape (height, width), of a lossy picture in colour.
     """
-    if picture.ndim == 2 or not is_lossy(path):  # noqa: PLR2004 -- grey
-        return picture
-    luma: np.ndarray = np.rint(picture.astype(np.float32) @ _REC601)
-    return luma.astype(picture.dtype)
+    return _luma(picture) if is_lossy(path) else picture
 
 
 def lossy_picture(picture: np.ndarray, quality: int) -> np.ndarray:
@@ -61,4 +58,12 @@ def lossy_picture(picture: np.ndarray, quality: int) -> np.ndarray:
     -------
     ndarray of uint8, shape (height, width)
     """
-    return stored_luma("picture.jpg", through_jpeg(picture, quality))
+    return _luma(through_jpeg(picture, quality))
+
+
+def _luma(picture: np.ndarray) -> np.ndarray:
+    """Return the brightness of a picture, in its type; one in grey as it is."""
+    if picture.ndim == 2:  # noqa: PLR2004 -- grey
+        return picture
+    luma: np.ndarray = np.rint(picture.astype(np.float32) @ _REC601)
+    return luma.astype(picture.dtype)

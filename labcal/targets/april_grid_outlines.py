@@ -6,7 +6,7 @@ from jaxtyping import Bool
 from matplotlib.path import Path as Outline
 
 from labcal.targets.april_grid import AprilGrid
-from labcal.targets.cell_outlines import cell_outlines, joined, moved
+from labcal.targets.cell_outlines import cell_outlines, moved
 from labcal.targets.charuco_opencv import opencv_dictionary
 
 
@@ -44,5 +44,5 @@ def april_grid_outlines(grid: AprilGrid) -> Outline:
         square = cell_outlines(np.ones((1, 1), dtype=bool))
         i, j = (k.ravel() for k in np.meshgrid(np.arange(grid.tag_cols + 1), np.arange(grid.tag_rows + 1)))
         parts += [moved(square, size, pitch * np.array(place) - size) for place in zip(i, j, strict=True)]
-    every = joined(parts)
+    every = Outline.make_compound_path(*parts)
     return Outline(np.asarray(every.vertices) * grid.tag_mm * grid.scale_x_y, every.codes)

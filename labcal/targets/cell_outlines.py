@@ -45,15 +45,6 @@ def moved(outlines: Outline, scale: float, to: Float64[np.ndarray, "2"]) -> Outl
     return Outline(np.asarray(outlines.vertices) * scale + to, outlines.codes)
 
 
-def joined(outlines: list[Outline]) -> Outline:
-    """Return several outlines as one path."""
-    vertices, codes = (
-        [np.asarray(one.vertices) for one in outlines],
-        [np.asarray(one.codes) for one in outlines],
-    )
-    return Outline(np.concatenate(vertices), np.concatenate(codes))
-
-
 def _loops(is_black: Bool[np.ndarray, "rows cols"]) -> list[list[Corner]]:
     """Return the closed walks along the sides with ink on the left and none on the right; row 0 is lowest."""
     padded = np.pad(is_black, 1)
@@ -64,27 +55,22 @@ def _loops(is_black: Bool[np.ndarray, "rows cols"]) -> list[list[Corner]]:
                 ways.setdefault((col + x, row + y), []).append((col + to_x, row + to_y))
     loops = []
     while ways:
-        at = next(iter(ways))
-        loop = [at]
-        while at in ways:
-            ends = ways[at]
-            before = loop[-2] if len(loop) > 1 else None
-            at = ends.pop(_leftmost(before, at, ends))
+        loop = [next(iter(ways))]
+        while len(loop) == 1 or loop[-1] != loop[0]:
+            at, ends = loop[-1], ways[loop[-1]]
+            loop.append(ends.pop(_leftmost(loop, ends)))
             if not ends:
-                del ways[loop[-1]]
-            loop.append(at)
-            if at == loop[0]:
-                break
+                del ways[at]
         loops.append(loop)
     return loops
 
 
-def _leftmost(before: Corner | None, at: Corner, ends: list[Corner]) -> int:
-    """Return which of one or two ways on turns left, so that it stays with the same cell."""
-    if before is None or len(ends) == 1:
+def _leftmost(loop: list[Corner], ends: list[Corner]) -> int:
+    """Return which of one or two ways on turns left, so that a walk stays with the same cell."""
+    if len(loop) == 1 or len(ends) == 1:
         return 0
-    x, y = at[0] - before[0], at[1] - before[1]
-    return 0 if x * (ends[0][1] - at[1]) - y * (ends[0][0] - at[0]) > 0 else 1
+    (from_x, from_y), (x, y), (to_x, to_y) = loop[-2], loop[-1], ends[0]
+    return 0 if (x - from_x) * (to_y - y) > (y - from_y) * (to_x - x) else 1
 
 
 def _corners(loop: list[Corner]) -> Float64[np.ndarray, "corners 2"]:

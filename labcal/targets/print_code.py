@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool
 from matplotlib.path import Path as Outline
 
-from labcal.targets.cell_outlines import cell_outlines, joined, moved
+from labcal.targets.cell_outlines import cell_outlines, moved
 from labcal.targets.charuco_opencv import opencv_dictionary
 from labcal.targets.code_places import DICTIONARY, NUMBERS, QR, QR_LEFT, RIGHT_TAG_LEFT, TAG, TAG_TOP, tags_of
 from labcal.targets.code_text import text_number
@@ -48,15 +48,15 @@ class PrintCode:
             (self.qr, QR_LEFT, 0.0, QR),
             (self.tags[1], RIGHT_TAG_LEFT, TAG_TOP, TAG),
         )
-        return joined(
-            [
+        return Outline.make_compound_path(
+            *(
                 moved(
                     cell_outlines(cells),
                     unit * side / len(cells),
                     np.array([left + unit * x, top - unit * (y + side)]),
                 )
                 for cells, x, y, side in parts
-            ]
+            )
         )
 
 

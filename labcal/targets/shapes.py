@@ -5,7 +5,7 @@ from matplotlib.path import Path as Outline
 
 from labcal.errors import InputError
 from labcal.targets.catalogue import AnyTarget
-from labcal.targets.cell_outlines import cell_outlines, joined, moved
+from labcal.targets.cell_outlines import cell_outlines, moved
 from labcal.targets.charuco import CharucoBoard
 from labcal.targets.charuco_opencv import markers
 from labcal.targets.grid import DotGrid
@@ -57,4 +57,5 @@ def charuco_outlines(board: CharucoBoard) -> Outline:
     found = markers(board)
     cell = board.marker_mm / found.is_black.shape[1]
     pairs = zip(found.corner, found.is_black, strict=True)
-    return joined([squares, *(moved(cell_outlines(is_black), cell, corner) for corner, is_black in pairs)])
+    own = (moved(cell_outlines(is_black), cell, corner) for corner, is_black in pairs)
+    return Outline.make_compound_path(squares, *own)

@@ -1,15 +1,17 @@
 """Words on the columns and rows of a grid that are seen."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 from labcal.detect.lattice.lines_seen import lines_words
 
 
-def words(turn: int, kept: object = None) -> str:
+def words(turn: int, kept: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None) -> str:
     """Return the words on 7 columns and 5 rows 10 px apart; `kept` takes (col, row) from the upper left."""
     col, row = (k.ravel() for k in np.meshgrid(np.arange(7), np.arange(5)))
-    some = np.ones(len(col), dtype=bool) if kept is None else kept(col, row)  # type: ignore[operator]
+    some = np.ones(len(col), dtype=bool) if kept is None else kept(col, row)
     nodes, q = np.stack([col, row], axis=-1)[some], 10.0 * np.stack([col, row], axis=-1)[some]
     turns = [[[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]]]
     return lines_words(nodes @ np.array(turns[turn]), q, "dots", (7, 5))
