@@ -1,10 +1,12 @@
 """The film of a picture: light in cells that are finer than pixels, before the lens blurs it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float32
 
+from labcal.arrays import Pixels
 from labcal.render.laboratory import PIXEL, RAYS_AT_ONCE, Draw, Laboratory, Rays
 from labcal.render.point_spread import gathered
 from labcal.render.samples import Samples
@@ -12,6 +14,8 @@ from labcal.render.variant import Jit
 
 CELLS_AT_ONCE = 2**26
 """No film has more cells, times colours, which bounds the memory."""
+Shading = Callable[[Pixels], np.ndarray]
+"""Share of the light that reaches places (..., 2) of the picture, px, as behind a graduated filter."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +79,25 @@ class Film:
             return light
         rays = gathered(self.rays, blur_px)
         return np.asarray(light / rays.reshape(*rays.shape, *(1,) * (light.ndim - 2)))
+
+
+def shade(light: np.ndarray, top: int, shading: Shading) -> None:
+    """Take from the light in cells, in place, what a shading holds back.
+
+    Parameters
+    ----------
+    light : ndarray of float32, shape (k, h, w, k) or (k, h, w, k, 3)
+        As of :attr:`Film.light`.
+    top : int
+        The picture's row that is the first of these.
+    shading : callable
+    """
+    finer, rows, width, _, *channels = light.shape
+    inside = (np.arange(finer) + 0.5) / finer - 0.5
+    for i, j in np.ndindex(finer, finer):
+        x, y = np.meshgrid(np.arange(width) + inside[j], np.arange(top, top + rows) + inside[i])
+        share = shading(np.stack([x, y], axis=-1)).astype(np.float32)
+        light[i, :, :, j] *= share.reshape(*share.shape, *(1,) * len(channels))
 
 
 def is_even(draw: Draw, finer: int) -> bool:

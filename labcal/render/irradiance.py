@@ -8,7 +8,7 @@ import numpy as np
 
 from labcal.render.bands import ROWS, strips
 from labcal.render.camera_rays import CameraRays
-from labcal.render.film import CELLS_AT_ONCE, Film, traced_cells
+from labcal.render.film import CELLS_AT_ONCE, Film, Shading, shade, traced_cells
 from labcal.render.laboratories import Laboratories
 from labcal.render.laboratory import Draw, Laboratory
 from labcal.render.point_spread import finer, reach
@@ -36,12 +36,19 @@ class Case:
         return self.take.taken_by
 
 
-def render_light(laboratories: Laboratories, case: Case) -> np.ndarray:
+def render_light(laboratories: Laboratories, case: Case, shading: Shading | None = None) -> np.ndarray:
     """Return the light that each pixel of a picture gathers, the mean over its exposure.
 
     The lens blurs the light before the pixels gather it. Everything is added in a fixed order, so that the
     bytes are the same each time. The rays a pixel are shared among the sub-frames of a moving target, each
     having at least one, so that no row has more noise than a still picture's.
+
+    Parameters
+    ----------
+    laboratories : Laboratories
+    case : Case
+    shading : callable, optional
+        What the lens lets through where, before it blurs; all of it where there is none.
 
     Returns
     -------
@@ -57,6 +64,7 @@ def render_light(laboratories: Laboratories, case: Case) -> np.ndarray:
         case=case,
         frames=frames,
         count=math.ceil(scene.spp / frames.averaged),
+        shading=shading,
     )
     blur_px = case.take.photometry(scene.photometry).blur_px
     return exposing.sharp() if blur_px == 0.0 else exposing.blurred(blur_px)
@@ -72,6 +80,7 @@ class _Exposing:
     frames: Subframes
     count: int
     """Rays a pixel of each sub-frame."""
+    shading: Shading | None
 
     def sharp(self) -> np.ndarray:
         """Return the mean radiance of each pixel."""
@@ -80,6 +89,8 @@ class _Exposing:
             weight = self.frames.weights[number, rows].astype(np.float32)
             traced = self.laboratory.trace(self.rays, rows, draw)
             light[rows] += weight.reshape(-1, *(1,) * (light.ndim - 1)) * traced
+        if self.shading is not None:
+            shade(light[None, :, :, None], 0, self.shading)
         return light
 
     def blurred(self, blur_px: float) -> np.ndarray:
@@ -96,6 +107,8 @@ class _Exposing:
                 traced = traced_cells(self.laboratory, self.rays, pixels, draw, cells)
                 weight = self.frames.weights[number, rows].astype(np.float32)
                 film.add(slice(rows.start - wide.start, rows.stop - wide.start), weight, traced)
+            if self.shading is not None:
+                shade(film.light, wide.start, self.shading)
             light[own] = film.gathered(blur_px)[own.start - wide.start : own.stop - wide.start]
         return light
 

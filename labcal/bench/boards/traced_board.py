@@ -15,7 +15,7 @@ from labcal.bench.boards.board_view import FOCAL, BoardPicture
 from labcal.bench.boards.charuco_ink import PAPER_SQUARES
 from labcal.bench.boards.chessboard_picture import BORDER_SQUARES
 from labcal.bench.held_board import blurred_scene, board_scene, still_take
-from labcal.bench.marks.drawn_picture import INK, PAPER, Cover, Exposure
+from labcal.bench.marks.drawn_picture import INK, PAPER, Cover
 from labcal.geometry.poses import inverse
 from labcal.render.development import develop
 from labcal.render.irradiance import Case, render_light
@@ -75,7 +75,7 @@ def traced_picture(picture: BoardPicture[SquareBoard], shot: Shot, spp: int = SP
         There is no LLVM library for the renderer.
     """
     exposure = picture.exposure
-    behind = traced_light(picture, shot, spp) * falling_light(exposure)
+    behind = traced_light(picture, shot, spp)
     sensor = Photometry(
         full_well_e=1.0 / exposure.noise**2,
         read_noise_e=0.0,
@@ -86,7 +86,9 @@ def traced_picture(picture: BoardPicture[SquareBoard], shot: Shot, spp: int = SP
 
 
 def traced_light(picture: BoardPicture[SquareBoard], shot: Shot, spp: int) -> np.ndarray:
-    """Return the light that pixels gather behind the lens in even light, float32, shape (h, w).
+    """Return the light that pixels gather behind the lens, float32, shape (h, w).
+
+    Light that falls off over the picture does so before the lens blurs it, as on the board and in the lens.
 
     Parameters
     ----------
@@ -101,14 +103,8 @@ def traced_light(picture: BoardPicture[SquareBoard], shot: Shot, spp: int) -> np
     scene = blurred_scene(scene.model_copy(update={"board": board}), picture.exposure.blur_px)
     take: Take = still_take(scene, view.T_world_target)
     with renderer(MONO) as mi:
-        return render_light(Laboratories(mi, scene, shot.seed), Case(take, shot.seed))
-
-
-def falling_light(exposure: Exposure) -> np.ndarray:
-    """Return the light of pixels, 1 where it is brightest, float32, shape (h, w)."""
-    columns, rows = (np.arange(float(n)) for n in exposure.size)
-    q = np.stack(np.meshgrid(columns, rows), axis=-1)
-    return exposure.light(q).astype(np.float32)
+        laboratories = Laboratories(mi, scene, shot.seed)
+        return render_light(laboratories, Case(take, shot.seed), picture.exposure.light)
 
 
 def traced_view(picture: BoardPicture[SquareBoard]) -> TracedView:

@@ -7,6 +7,7 @@ from labcal.bench.detect.design import BLUR, MOST_BLUR_PX, PictureDesign
 from labcal.bench.detect.dot_visibility import LEAST_MINOR_PX, DotVisibility
 from labcal.bench.held_board import BARE_BOARD
 from labcal.render.development import develop
+from labcal.render.film import Shading
 from labcal.render.sensor_response import Exposure, Shot, read_sensor
 from labcal.scene.photometry import Photometry
 from labcal.shoot.luma import lossy_picture
@@ -26,22 +27,18 @@ def blur_px(design: PictureDesign, minor_px: np.ndarray) -> float:
     return float(BLUR[0] + design.blur * (most - BLUR[0]))
 
 
-def exposed_picture(light: np.ndarray, design: PictureDesign, seen: DotVisibility, seed: int) -> np.ndarray:
+def exposed_picture(light: np.ndarray, design: PictureDesign, seed: int) -> np.ndarray:
     """Return the picture, uint8, in grey or in red, green and blue; that of a JPEG file as its luma.
 
     Parameters
     ----------
     light : ndarray of float32, shape (height, width)
-        Rendered under even light, and blurred.
+        Behind the lens.
     design : PictureDesign
-    seen : DotVisibility
-        The light falls off over where the dots are.
     seed : int
     """
-    lit = light * falling_light(design, seen.centroid[seen.in_frame], light.shape)
     photometry = _photometry(design)
-    if design.bayer:
-        lit = np.repeat(lit[..., None], 3, axis=-1)
+    lit = np.repeat(light[..., None], 3, axis=-1) if design.bayer else light
     exposure = Exposure(WHITE / BARE_BOARD, (1.0, 1.0, 1.0))
     picture = develop(
         read_sensor(lit, photometry, exposure, Shot(seed, design.name, "suite")), photometry, exposure
@@ -61,26 +58,21 @@ def _photometry(design: PictureDesign) -> Photometry:
     )
 
 
-def falling_light(design: PictureDesign, dots: Pixels, shape: tuple[int, ...]) -> np.ndarray:
-    """Return the light, 1 at one end of the dots, falling exponentially to the other end.
+def falling_light(design: PictureDesign, seen: DotVisibility) -> Shading:
+    """Return the light of places, 1 at one end of the dots in the frame, falling exponentially to the other.
 
     Parameters
     ----------
     design : PictureDesign
         Its gradient and the direction of that.
-    dots : ndarray, shape (n, 2)
-        px.
-    shape : tuple of int
-        Height and width of the picture.
-
-    Returns
-    -------
-    ndarray of float32, shape (height, width)
+    seen : DotVisibility
     """
     along = np.array([np.cos(design.gradient_direction), np.sin(design.gradient_direction)])
-    places = dots @ along if len(dots) else np.array([0.0, 1.0])
-    first, last = float(places.min()), float(places.max())
-    x, y = np.arange(shape[1]), np.arange(shape[0])
-    place = x * along[0] + (y * along[1])[:, None]
-    share = np.clip((place - first) / max(last - first, 1.0), 0.0, 1.0)
-    return np.asarray(design.gradient**-share, dtype=np.float32)
+    places = seen.centroid[seen.in_frame] @ along
+    first, last = (float(places.min()), float(places.max())) if len(places) else (0.0, 1.0)
+
+    def light(q: Pixels) -> np.ndarray:
+        share = np.clip((q @ along - first) / max(last - first, 1.0), 0.0, 1.0)
+        return np.asarray(design.gradient**-share)
+
+    return light

@@ -49,7 +49,7 @@ class LitBoard:
 
 
 def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoard:
-    """Render a board, lay a light gradient and a blur over it, and compute the bound of every dot.
+    """Render a board in falling light, blurred, and compute the bound of every dot.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoar
     seen = dot_visibility(scene, stage.take, 4.0 * BLUR_PX)
     with renderer(MONO) as mi:
         laboratories = Laboratories(mi, blurred_scene(scene.with_spp(spp), BLUR_PX), seed)
-        light = render_light(laboratories, Case(stage.take, seed)).astype(np.float64)
+        light = render_light(laboratories, Case(stage.take, seed), falling_light(design, seen))
     number = np.flatnonzero(seen.measurable & ~seen.ring)
     number = np.sort(generator(seed, design.name, "dots").permutation(number)[:MOST_DOTS])
     shape = outline_shapes(stage.take.project(made.outlines).q[number])
@@ -77,7 +77,7 @@ def lit_board(radius_px: float, tilt_deg: float, spp: int, seed: int) -> LitBoar
     return LitBoard(
         name=design.name,
         target=scene.grid,
-        clean=WHITE / BARE_BOARD * light * falling_light(design, seen.centroid[seen.in_frame], light.shape),
+        clean=WHITE / BARE_BOARD * light.astype(np.float64),
         number=number,
         centroid=seen.centroid[number],
         shape=shape,

@@ -8,7 +8,7 @@ import numpy as np
 
 from labcal.bench.detect.design import PictureDesign, designs
 from labcal.bench.detect.dot_visibility import DotVisibility, dot_visibility
-from labcal.bench.detect.exposure import blur_px, exposed_picture
+from labcal.bench.detect.exposure import blur_px, exposed_picture, falling_light
 from labcal.bench.detect.opencv_grid import MODES, finds_grid
 from labcal.bench.detect.outcome import Outcome, outcome_table, suite_checks, suite_figures
 from labcal.bench.detect.suite_scene import SuiteScene, suite_scene
@@ -16,6 +16,7 @@ from labcal.bench.detect.verdict import verdict_of
 from labcal.bench.groups import Bench, Findings
 from labcal.bench.held_board import blurred_scene
 from labcal.detect.detector import detect_dots
+from labcal.render.film import Shading
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
 from labcal.render.variant import MONO, renderer
@@ -59,15 +60,16 @@ def suite_pictures(count: int, seed: int, names: frozenset[str] = frozenset()) -
             first = dot_visibility(stage.scene, stage.take, CLEAR_PX)
             blur = blur_px(design, first.minor_px[first.in_frame])
             seen = dot_visibility(stage.scene, stage.take, CLEAR_PX + 2.0 * blur)
-            picture = exposed_picture(_light(stage, blur, seed), design, seen, seed)
+            light = _light(stage, blur, falling_light(design, seen), seed)
+            picture = exposed_picture(light, design, seed)
             yield SuitePicture(design, stage.scene.grid, picture, blur, seen)
 
 
-def _light(stage: SuiteScene, blur: float, seed: int) -> np.ndarray:
-    """Render a picture's light, blurred (px)."""
+def _light(stage: SuiteScene, blur: float, shading: Shading, seed: int) -> np.ndarray:
+    """Render a picture's light, shaded and then blurred (px)."""
     with renderer(MONO) as mi:
         laboratories = Laboratories(mi, blurred_scene(stage.scene, blur), seed)
-        return render_light(laboratories, Case(stage.take, seed))
+        return render_light(laboratories, Case(stage.take, seed), shading)
 
 
 def suite_findings(bench: Bench) -> Findings:

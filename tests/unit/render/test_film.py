@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from labcal.bench.held_board import BARE_BOARD, blurred_scene, board_scene, still_take
 from labcal.detect.detector import detect_dots
 from labcal.geometry.poses import pose
-from labcal.render.film import traced_cells
+from labcal.render.film import Shading, traced_cells
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
 from labcal.render.laboratory import Draw
@@ -36,9 +36,14 @@ def held(width: int, height: int, spp: int, turn: tuple[float, float, float]) ->
     return scene, still_take(scene, pose(R, -R @ BOARD.points().mean(axis=0)))
 
 
-def rendered(scene: Scene, take: Take) -> np.ndarray:
+def rendered(scene: Scene, take: Take, shading: Shading | None = None) -> np.ndarray:
     with renderer(MONO) as mi:
-        return render_light(Laboratories(mi, scene, 0), Case(take, 0))
+        return render_light(Laboratories(mi, scene, 0), Case(take, 0), shading)
+
+
+def bare(scene: Scene) -> Scene:
+    """Return a scene whose board is white all over."""
+    return scene.model_copy(update={"board": scene.board.model_copy(update={"dark": scene.board.light})})
 
 
 @pytest.mark.parametrize(("count", "side"), [(64, 4), (16, 2), (6, 2), (1, 2)])
@@ -62,9 +67,29 @@ def test_cells_hold_the_rays_of_their_pixels(count: int, side: int) -> None:
 def test_even_light_stays_even(spp: int) -> None:
     """However many rays fell into the cells of a pixel."""
     scene, take = held(64, 48, spp, (0.0, 0.0, 0.0))
-    bare = scene.model_copy(update={"board": scene.board.model_copy(update={"dark": scene.board.light})})
-    light = rendered(blurred_scene(bare, 0.8), take)
+    light = rendered(blurred_scene(bare(scene), 0.8), take)
     np.testing.assert_allclose(light[20:28, 20:44], BARE_BOARD, rtol=1e-5)
+
+
+def test_what_a_shading_holds_back_is_blurred_as_the_board_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, take = held(64, 48, 64, (0.0, 0.0, 0.0))
+    normal, inside = np.array([0.6, 0.8]), (slice(20, 28), slice(20, 44))
+    v, u = np.mgrid[:48, :64]
+
+    def distance(q: np.ndarray) -> np.ndarray:
+        return np.asarray((q - [31.7, 23.9]) @ normal)
+
+    def half(q: np.ndarray) -> np.ndarray:
+        return (distance(q) > 0.0).astype(np.float64)
+
+    blurred = blurred_scene(bare(scene), 1.2)
+    light, sharp = rendered(blurred, take, half), rendered(bare(scene), take, half)
+    true = mean_in_squares(distance(np.stack([u, v], axis=-1)), normal, 1.2)[inside]
+    assert np.ptp(true) > 0.99
+    np.testing.assert_allclose(light[inside] / BARE_BOARD, true, atol=0.02)
+    np.testing.assert_allclose(sharp[inside] / BARE_BOARD, half(np.stack([u, v], axis=-1))[inside], rtol=1e-5)
+    monkeypatch.setattr("labcal.render.irradiance.CELLS_AT_ONCE", 1)
+    np.testing.assert_array_equal(rendered(blurred, take, half), light)
 
 
 def test_a_picture_does_not_depend_on_how_many_rows_a_film_has(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from labcal.bench.detect.design import PictureDesign, designs
 from labcal.bench.detect.dot_visibility import dot_visibility
-from labcal.bench.detect.exposure import blur_px, exposed_picture
+from labcal.bench.detect.exposure import blur_px, exposed_picture, falling_light
 from labcal.bench.detect.suite import suite_pictures
 from labcal.bench.detect.suite_scene import suite_scene
 from labcal.bench.detect.verdict import verdict_of
@@ -59,8 +59,9 @@ def test_what_lies_over_half_a_dot_hides_half_of_it(design: PictureDesign) -> No
 def test_light_falls_and_noise_is_as_designed(design: PictureDesign) -> None:
     stage = suite_scene(design, 0)
     seen = dot_visibility(stage.scene, stage.take, 1.5)
-    even = np.full((480, 640), BARE_BOARD, dtype=np.float32)
-    many = np.stack([exposed_picture(even, design, seen, seed).astype(float) for seed in range(40)])
+    q = np.stack(np.meshgrid(np.arange(640.0), np.arange(480.0)), axis=-1)
+    light = (BARE_BOARD * falling_light(design, seen)(q)).astype(np.float32)
+    many = np.stack([exposed_picture(light, design, seed).astype(float) for seed in range(40)])
     mean = many.mean(axis=0)
     assert mean.max() == pytest.approx(0.8 * 255, rel=0.02)
     assert mean.max() / mean.min() == pytest.approx(4.0, rel=0.1)
