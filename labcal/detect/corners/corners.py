@@ -16,6 +16,7 @@ from labcal.detect.medians import median_of
 from labcal.detect.outlines.outlines import Outlines
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
+from labcal.detect.stage_settings.grid import GridSettings
 from labcal.geometry.projective_map import projective_map
 from labcal.targets.square_board import SquareBoard
 
@@ -98,8 +99,8 @@ def measured_corners(
 ) -> Corners:
     """Fit the corners that are known roughly, and those of the board beside them that can be found.
 
-    A corner whose markers were not recognised is looked for where its neighbours predict it; there it
-    must be one, of the right colours, within a tenth of a square.
+    A corner whose markers were not recognised, or from whose rough place no fit finds it, is looked for where
+    its neighbours predict it; there it must be one, of the right colours, within a tenth of a square.
     """
     if not rough.spans_a_plane():
         return rough
@@ -110,25 +111,30 @@ def measured_corners(
     fits = [standard.met_by(fit, settings.corner) for fit in fits]
     index = [(int(i), int(j)) for i, j in rough.index]
     seen_at = list(places_of(fits, rough.seen_at))
-    known = {node: k for k, node in enumerate(index) if fits[k] is not None}
-    tried = dict.fromkeys(index, 9**9)
+    numbers = {node: k for k, node in enumerate(index)}
+    known = {node: k for node, k in numbers.items() if fits[k] is not None}
+    tried: dict[Node, int] = {}
     found = bool(known)  # from none there is nothing to predict
     while found:
         found = False
         beside = _beside(known, board)
-        if all(node in tried and tried[node] >= _ALL_NEAR for node in beside):
+        if all(tried.get(node, 0) >= _ALL_NEAR for node in beside):
             break
-        predictor = Predictor(Lattice(dict(known)), _as_outlines(seen_at), settings.grid)
+        predictor = Predictor(Lattice(dict(known)), _as_outlines(seen_at), _near(len(known), settings.grid))
         expected = predictor.predict(beside)
         new = {node: one for node, one in expected.items() if tried.get(node, 0) < one.neighbours}
         tried |= {node: one.neighbours for node, one in new.items()}
         for node, fit in zip(new, search.fits_at(new), strict=True):
-            if fit is not None and standard.met_by(fit, settings.corner) is not None:
-                known[node] = len(index)
+            if fit is None or standard.met_by(fit, settings.corner) is None:
+                continue
+            if node not in numbers:
+                numbers[node] = len(index)
                 index.append(node)
-                fits.append(fit)
+                fits.append(None)
                 seen_at.append(fit.centre)
-                found = True
+            known[node] = number = numbers[node]
+            fits[number], seen_at[number] = fit, fit.centre
+            found = True
     return Corners(np.array(index, dtype=np.int64), np.array(seen_at), fits)
 
 
@@ -157,6 +163,13 @@ def widened_corners(
     standard = Standard.of(list(wider.values()))
     found = [standard.met_by(wider.get(node), settings) for node in nodes]
     return Corners(corners.index, places_of(found, corners.seen_at), found)
+
+
+def _near(known: int, settings: GridSettings) -> GridSettings:
+    """Return the settings of predictions, of which four corners, if there are no more, give some."""
+    if known > _FEWEST:
+        return settings
+    return settings.model_copy(update={"min_near_nodes": min(_FEWEST, settings.min_near_nodes)})
 
 
 def _as_outlines(places: list[np.ndarray]) -> Outlines:

@@ -20,9 +20,14 @@ from labcal.detect.grey import GreyPicture
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.detect.stage_settings.edge import EdgeSettings
+from labcal.geometry.two_by_two import eigenvalues
 from labcal.targets.grid import Polarity
 
 _SMALL = 1.25  # side of a square over that of the fewest pixels of a fit, which reaches 0.45 squares around
+_PIXEL = 12**-0.5
+"""Standard deviation of places within a pixel, px."""
+_CERTAIN = 0.05
+"""Error of a corner that is measured, however certain the others of a picture are, px."""
 _SHADINGS = 1.3  # of a fit's four for the light, spent on the flat parts: a third of its pixels
 
 
@@ -31,7 +36,8 @@ def picture_corners(
 ) -> PictureDots:
     """Return the corners of a picture, row by row, with their covariances and flags.
 
-    A corner that is not measured is flagged ``bad-fit``, or ``cut`` at the frame.
+    A corner that is not measured is flagged ``bad-fit``, or ``cut`` at the frame; so is one whose fit has
+    converged, but whose pixels hardly tell its place, as those that something leaves of a covered corner.
 
     Parameters
     ----------
@@ -45,6 +51,7 @@ def picture_corners(
     n = len(corners.fits)
     fits = _judged(corners.fits, settings.corner)
     factor = _factor([fit for fit in fits if fit is not None], settings.edge)
+    fits = _determined(fits, corners.fits, factor, settings.corner)
     position, covariance = np.full((n, 2), np.nan), np.full((n, 2, 2), np.nan)
     some = [k for k, fit in enumerate(fits) if fit is not None]
     if some:
@@ -144,6 +151,35 @@ def _judged(fits: Sequence[SettledCorner | None], settings: CornerSettings) -> l
         fit.judged(settings) if isinstance(fit, PrintedCorner) else one
         for fit, one in zip(fits, plain, strict=True)
     ]
+
+
+def _determined(
+    fits: Sequence[CornerFit | None],
+    settled: Sequence[SettledCorner | None],
+    factor: float,
+    settings: CornerSettings,
+) -> list[CornerFit | None]:
+    """Return fits, but None where the pixels hardly tell the corner's place.
+
+    An error near the width of an edge is not as the covariance has it, since the fit is not linear there; and
+    a corner that is far less certain than the others is seen by a small part of its edges.
+    """
+    found = list(fits)
+    rows = [
+        (k, fit.covariance, max(of.state[4:6].tolist()))
+        for k, (fit, of) in enumerate(zip(fits, settled, strict=True))
+        if fit is not None and of is not None
+    ]
+    if not rows:
+        return found
+    numbers, covariances, blurs = zip(*rows, strict=True)
+    error = np.sqrt(factor * eigenvalues(np.array(covariances))[:, 1])
+    width = np.hypot(blurs, _PIXEL)
+    usual = max(settings.max_error_factor * float(np.median(error)), _CERTAIN)
+    uncertain = ~(error <= np.minimum(settings.max_error_widths * width, usual))
+    for k, is_uncertain in zip(numbers, uncertain.tolist(), strict=True):
+        found[k] = None if is_uncertain else found[k]
+    return found
 
 
 def _factor(fits: list[CornerFit], settings: EdgeSettings) -> float:

@@ -198,6 +198,19 @@ class CornerSettings(StageSettings):
         lt=0.5,
         description="Most distance of a corner without markers from its prediction. Larger: more wrong ones.",
     )
+    max_error_widths: float = Field(
+        0.25,
+        gt=0,
+        le=5,
+        description="Error that its pixels leave of a corner, in the width of an edge, above which it is "
+        "bad-fit. Larger: more corners of which little is seen are kept.",
+    )
+    max_error_factor: float = Field(
+        10.0,
+        ge=2,
+        le=1000,
+        description="The same in the usual error of the picture's corners. Larger: fewer are bad-fit.",
+    )
     clipped_value_share: float = Field(
         0.002,
         ge=0,
