@@ -37,8 +37,11 @@ def bands(height: int) -> Iterator[Band]:
         yield Band(first, min(first + ROWS, height))
 
 
-def strips(height: int, rows: int, halo: int) -> Iterator[tuple[slice, slice]]:
-    """Yield strips of so many rows of a picture, and each with up to `halo` more rows on both sides."""
+def strips(height: int, rows: int, halo: int) -> Iterator[tuple[slice, range]]:
+    """Yield strips of so many rows of a picture, and each with `halo` more rows on both sides.
+
+    The further rows of the first and the last strip lie beyond the picture.
+    """
     for first in range(0, height, rows):
         last = min(first + rows, height)
-        yield slice(first, last), slice(max(0, first - halo), min(last + halo, height))
+        yield slice(first, last), range(first - halo, last + halo)

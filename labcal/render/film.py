@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from labcal.arrays import Pixels
+from labcal.cameras.camera import Camera
 from labcal.render.laboratory import PIXEL, RAYS_AT_ONCE, Draw, Laboratory, Rays
 from labcal.render.point_spread import gathered
 from labcal.render.samples import Samples
@@ -40,8 +41,51 @@ class Cells:
         return int(self.light.shape[1])
 
 
+@dataclass(frozen=True)
+class Places:
+    """Pixels that are traced, in the picture or beyond it, from where a blur spreads light into it.
+
+    Attributes
+    ----------
+    number : int array, (n,)
+        For which rays are drawn: those of the picture's own pixels count row by row, further ones go on.
+    column, row : int array, (n,)
+        Of the picture.
+    """
+
+    number: np.ndarray
+    column: np.ndarray
+    row: np.ndarray
+
+    @classmethod
+    def of(cls, number: np.ndarray, width: int) -> "Places":
+        """Return pixels of a picture by their numbers."""
+        row, column = np.divmod(number, width)
+        return cls(number, column, row)
+
+    @classmethod
+    def around(cls, rows: range, camera: Camera, halo: int) -> "Places":
+        """Return the pixels of some rows, each with `halo` more on both sides.
+
+        Beyond the picture, where the lens has no ray or its formula is not meant to hold, a pixel is that of
+        the picture next to it.
+        """
+        (width, height), (fx, fy, cx, cy) = camera.size, camera.intrinsics
+        row, column = (part.ravel() for part in np.mgrid[rows.start : rows.stop, -halo : width + halo])
+        inside = np.clip(column, 0, width - 1), np.clip(row, 0, height - 1)
+        beyond = np.flatnonzero((column != inside[0]) | (row != inside[1]))
+        number = row * width + column
+        number[beyond] = width * height + (row[beyond] + halo) * (width + 2 * halo) + column[beyond] + halo
+        q = np.stack([column[beyond], row[beyond]], axis=-1).astype(np.float64)
+        radius = np.hypot(*((q - [cx, cy]) / [fx, fy]).T)
+        dark = beyond[~camera.rays(q).ok | (radius > camera.reach)]
+        for own, within in ((column, inside[0]), (row, inside[1])):
+            own[dark] = within[dark]
+        return cls(number, column, row)
+
+
 class Film:
-    """The light in the cells of some rows of a picture.
+    """The light in the cells of some rows of a picture, and of what is around them.
 
     Where cells have different numbers of rays, a pixel is the light that it gathers over the rays that it
     gathers.
@@ -81,21 +125,22 @@ class Film:
         return np.asarray(light / rays.reshape(*rays.shape, *(1,) * (light.ndim - 2)))
 
 
-def shade(light: np.ndarray, top: int, shading: Shading) -> None:
+def shade(light: np.ndarray, first: tuple[int, int], shading: Shading) -> None:
     """Take from the light in cells, in place, what a shading holds back.
 
     Parameters
     ----------
     light : ndarray of float32, shape (k, h, w, k) or (k, h, w, k, 3)
         As of :attr:`Film.light`.
-    top : int
-        The picture's row that is the first of these.
+    first : (int, int)
+        The picture's column and row that are the first of these.
     shading : callable
     """
+    left, top = first
     finer, rows, width, _, *channels = light.shape
     inside = (np.arange(finer) + 0.5) / finer - 0.5
     for i, j in np.ndindex(finer, finer):
-        x, y = np.meshgrid(np.arange(width) + inside[j], np.arange(top, top + rows) + inside[i])
+        x, y = np.meshgrid(left + np.arange(width) + inside[j], top + np.arange(rows) + inside[i])
         share = shading(np.stack([x, y], axis=-1)).astype(np.float32)
         light[i, :, :, j] *= share.reshape(*share.shape, *(1,) * len(channels))
 
@@ -105,7 +150,7 @@ def is_even(draw: Draw, finer: int) -> bool:
     return draw.count % finer**2 == 0 and draw.first % finer**2 == 0
 
 
-def traced_cells(laboratory: Laboratory, camera: Rays, pixels: np.ndarray, draw: Draw, finer: int) -> Cells:
+def traced_cells(laboratory: Laboratory, camera: Rays, pixels: Places, draw: Draw, finer: int) -> Cells:
     """Trace some of the rays of pixels, apart by the cells in which they are.
 
     The rays of one cell choose points all over a lamp and an aperture: else cells would have noise where
@@ -115,8 +160,7 @@ def traced_cells(laboratory: Laboratory, camera: Rays, pixels: np.ndarray, draw:
     ----------
     laboratory : Laboratory
     camera : Rays
-    pixels : ndarray of int, shape (n,)
-        Numbers of pixels, row by row.
+    pixels : Places
     draw : Draw
         Which rays; they do not depend on the other pixels.
     finer : int
@@ -132,18 +176,23 @@ def traced_cells(laboratory: Laboratory, camera: Rays, pixels: np.ndarray, draw:
     own = dr.opaque(mi.UInt32, of_a_cell)
     shape = (-1, finer, finer, 3) if laboratory.colour else (-1, finer, finer)
     parts = []
-    for first in range(0, len(pixels), step):
-        chosen = mi.UInt32(np.asarray(pixels[first : first + step], dtype=np.uint32))
+    for first in range(0, len(pixels.number), step):
+        some = slice(first, first + step)
+        chosen = mi.UInt32(pixels.number[some].astype(np.uint32))
         lane = dr.arange(mi.UInt32, dr.width(chosen) * draw.count)
         local, index = lane // each, lane % each + dr.opaque(mi.UInt32, draw.first)
         pixel = dr.gather(mi.UInt32, chosen, local)
+        column, row = (
+            mi.Float64(dr.gather(mi.Int32, mi.Int32(part[some].astype(np.int32)), local))
+            for part in (pixels.column, pixels.row)
+        )
         within = Samples(mi, pixel, index, seed, draw.total).square(PIXEL)
         side = mi.Float(across)
         cell = mi.UInt32(within.y * side) * across + mi.UInt32(within.x * side)
         # Of as many successive samples as there are cells, one is in each.
         order = cell * own + index // every
         samples = Samples(mi, pixel, order, seed, all_cells * of_a_cell)
-        light = laboratory.radiance(camera, pixel, within, samples)
+        light = laboratory.radiance(camera, (column, row), within, samples)
         ones = [] if even else [mi.Float(1.0)]
         parts.append(_sums(mi, [*light, *ones], local * every + cell, dr.width(chosen) * all_cells))
     channels = 3 if laboratory.colour else 1

@@ -8,7 +8,7 @@ import numpy as np
 
 from labcal.render.bands import ROWS, strips
 from labcal.render.camera_rays import CameraRays
-from labcal.render.film import CELLS_AT_ONCE, Film, Shading, shade, traced_cells
+from labcal.render.film import CELLS_AT_ONCE, Film, Places, Shading, shade, traced_cells
 from labcal.render.laboratories import Laboratories
 from labcal.render.laboratory import Draw, Laboratory
 from labcal.render.point_spread import finer, reach
@@ -85,12 +85,13 @@ class _Exposing:
     def sharp(self) -> np.ndarray:
         """Return the mean radiance of each pixel."""
         light = np.zeros(self.laboratory.shape, dtype=np.float32)
-        for number, rows, draw in self._parts(slice(0, len(light))):
+        for number, part, draw in self._parts(range(len(light))):
+            rows = slice(part.start, part.stop)
             weight = self.frames.weights[number, rows].astype(np.float32)
             traced = self.laboratory.trace(self.rays, rows, draw)
             light[rows] += weight.reshape(-1, *(1,) * (light.ndim - 1)) * traced
         if self.shading is not None:
-            shade(light[None, :, :, None], 0, self.shading)
+            shade(light[None, :, :, None], (0, 0), self.shading)
         return light
 
     def blurred(self, blur_px: float) -> np.ndarray:
@@ -101,27 +102,32 @@ class _Exposing:
         step = max(ROWS, CELLS_AT_ONCE // (width * cells**2 * math.prod(channels)))
         for own, wide in strips(height, step, halo):
             even = self.count % cells**2 == 0
-            film = Film(wide.stop - wide.start, width, cells, tuple(channels), even=even)
+            film = Film(len(wide), width + 2 * halo, cells, tuple(channels), even=even)
             for number, rows, draw in self._parts(wide):
-                pixels = np.arange(rows.start * width, rows.stop * width)
+                pixels = Places.around(rows, self.case.take.device, halo)
                 traced = traced_cells(self.laboratory, self.rays, pixels, draw, cells)
-                weight = self.frames.weights[number, rows].astype(np.float32)
+                weight = self.frames.weights[number, np.clip(rows, 0, height - 1)].astype(np.float32)
                 film.add(slice(rows.start - wide.start, rows.stop - wide.start), weight, traced)
             if self.shading is not None:
-                shade(film.light, wide.start, self.shading)
-            light[own] = film.gathered(blur_px)[own.start - wide.start : own.stop - wide.start]
+                shade(film.light, (-halo, wide.start), self.shading)
+            light[own] = film.gathered(blur_px)[halo:-halo, halo:-halo]
         return light
 
-    def _parts(self, within: slice) -> Iterator[tuple[int, slice, Draw]]:
-        """Yield what is traced at once: number of the sub-frame (placed), rows, and samples."""
+    def _parts(self, within: range) -> Iterator[tuple[int, range, Draw]]:
+        """Yield what is traced at once: number of the sub-frame (placed), rows, and samples.
+
+        Rows beyond the picture are exposed with the one next to them.
+        """
         seed = integer_seed(self.case.seed, self.case.view, self.case.camera)
+        height = self.frames.weights.shape[1]
         for number, seconds in enumerate(self.frames.seconds):
             first, end = self.frames.rows(number)
-            first, end = max(first, within.start), min(end, within.stop)
+            first = within.start if first == 0 else max(first, within.start)
+            end = within.stop if end == height else min(end, within.stop)
             if first >= end:
                 continue
             self.laboratory.place(self.case.take.track.at(float(seconds)))
             draw = Draw(seed, self.count * len(self.frames.seconds), self.count * number, self.count)
             step = self.laboratory.rows_at_once(self.count)
             for top in range(first, end, step):
-                yield number, slice(top, min(top + step, end)), draw
+                yield number, range(top, min(top + step, end)), draw

@@ -166,30 +166,29 @@ class Laboratory:
         import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
 
         samples = Samples(self.mi, pixel, index, dr.opaque(self.mi.UInt32, draw.seed), draw.total)
-        light = self.radiance(camera, pixel, samples.square(PIXEL), samples)
+        across = dr.opaque(self.mi.UInt32, self.size[0])
+        middle = self.mi.Float64(pixel % across), self.mi.Float64(pixel // across)
+        light = self.radiance(camera, middle, samples.square(PIXEL), samples)
         dr.eval(light)  # once for all channels: else each of them would trace its own rays
         channels = [np.array(dr.block_sum(channel, draw.count)) for channel in light]
         return np.stack(channels, axis=-1) / np.float32(draw.count)
 
-    def radiance(self, camera: Rays, pixel: Jit, within: Jit, samples: Samples) -> Jit:
+    def radiance(self, camera: Rays, middle: tuple[Jit, Jit], within: Jit, samples: Samples) -> Jit:
         """Return the radiance of samples.
 
         Parameters
         ----------
         camera : Rays
-        pixel : array of the variant
-            Number of each sample's pixel.
+        middle : (array of the variant, array of the variant)
+            Column and row of each sample's pixel, float64; it may lie beyond the picture.
         within : array of the variant
             Points in the pixels, 0 to 1.
         samples : Samples
             For points of lamps and of the aperture.
         """
-        import drjit as dr  # noqa: PLC0415 -- only after ensure_llvm
-
-        mi = self.mi
-        across = dr.opaque(mi.UInt32, self.size[0])
-        u = mi.Float64(pixel % across) + (mi.Float64(within.x) - 0.5)
-        v = mi.Float64(pixel // across) + (mi.Float64(within.y) - 0.5)
+        u, v = (
+            at + (self.mi.Float64(part) - 0.5) for at, part in zip(middle, (within.x, within.y), strict=True)
+        )
         ray, weight = camera.rays(Pixels(u, v, samples))
         return radiance(self._placed(), ray, samples) * weight
 

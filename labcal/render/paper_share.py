@@ -14,7 +14,7 @@ from jaxtyping import Float32, Int64
 
 from labcal.render.bands import ROWS, strips
 from labcal.render.camera_rays import CameraRays
-from labcal.render.film import CELLS_AT_ONCE, Cells, Film, traced_cells
+from labcal.render.film import CELLS_AT_ONCE, Cells, Film, Places, traced_cells
 from labcal.render.irradiance import Case
 from labcal.render.laboratories import Laboratories
 from labcal.render.laboratory import Draw, Laboratory
@@ -88,7 +88,8 @@ class SharpShare:
         """Yield rows, and where they are in the films of some rows more; pixels away from edges are even."""
         height, width = pixels.shape
         rows = max(ROWS, CELLS_AT_ONCE // (width * cells.finer**2))
-        for own, wide in strips(height, rows, reach(blur_px)):
+        for own, around in strips(height, rows, reach(blur_px)):
+            wide = slice(max(0, around.start), min(around.stop, height))
             film = Film(wide.stop - wide.start, width, cells.finer, (), even=cells.rays is None)
             film.light[:] = pixels[wide][None, :, :, None]
             first, last = np.searchsorted(self.at, [wide.start * width, wide.stop * width])
@@ -161,12 +162,13 @@ def paper_share(scene: Scene, case: Case, wanted: EdgeRays) -> PaperShare:
         edges = cv2.dilate(pixels, around) - cv2.erode(pixels, around) > _SAME
         at = np.flatnonzero(edges)
         draw, most = Draw(seed, wanted.spp, 0, wanted.spp), max(wanted.spp, wanted.rough_spp)
-        share = SharpShare.of(pixels, at, traced_cells(laboratory, rays, at, draw, finer(0.0, most)))
+        places = Places.of(at, width)
+        share = SharpShare.of(pixels, at, traced_cells(laboratory, rays, places, draw, finer(0.0, most)))
         rough = []
         for number in range(wanted.rough):
             other = integer_seed(case.seed, case.view, case.camera, f"rough {number}")
             draw = Draw(other, wanted.rough_spp, 0, wanted.rough_spp)
-            cells = traced_cells(laboratory, rays, at, draw, finer(0.0, wanted.rough_spp))
+            cells = traced_cells(laboratory, rays, places, draw, finer(0.0, wanted.rough_spp))
             rough.append(SharpShare.of(pixels, at, cells))
     return PaperShare(share, tuple(rough))
 

@@ -57,6 +57,24 @@ def gathered(film: Float32[np.ndarray, "k h w k *channels"], blur_px: float) -> 
     return _correlated(film, blur_px, weights(blur_px, film.shape[0]))
 
 
+def behind_lens(
+    film: Float32[np.ndarray, "k h w k"], share: Float32[np.ndarray, "h w"], blur_px: float
+) -> Float32[np.ndarray, "inner_h inner_w"]:
+    """Return the light that pixels gather through a lens that lets a share of it pass, before it blurs it.
+
+    Parameters
+    ----------
+    film : ndarray of float32, shape (k, h, w, k)
+        As of :func:`gathered`, but wider by :func:`reach` on every side than what is returned.
+    share : ndarray of float32, shape (h, w)
+        Of the light that passes, by pixel.
+    blur_px : float
+        As of :func:`gathered`.
+    """
+    halo, (_, height, width, _) = reach(blur_px), film.shape
+    return gathered(film * share[None, :, :, None], blur_px)[halo : height - halo, halo : width - halo]
+
+
 def gathered_variance(film: Float32[np.ndarray, "k h w k *channels"], blur_px: float) -> np.ndarray:
     """Return the variance of the light that pixels gather, from that of the cells, which are independent.
 

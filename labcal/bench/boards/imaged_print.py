@@ -11,7 +11,7 @@ from labcal.cameras.camera import Camera
 from labcal.cameras.dot_image import dot_images, of_places
 from labcal.geometry.poses import inverse, transform
 from labcal.guide.rehearsal.drawn_view import BACKGROUND, board_edge, cut_out, relative_light, taken_picture
-from labcal.render.point_spread import cells, gathered
+from labcal.render.point_spread import behind_lens, cells, reach
 from labcal.render.sensor_response import Shot
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry
@@ -72,8 +72,10 @@ class DrawnPrint:
         """
         edge = camera.project(transform(T_world_target, board_edge(self.target)))
         corner, end = cut_out(camera, edge.q[edge.ok])
-        light = cells(self._light(camera, T_world_target, corner, end), _FINER)
-        behind = gathered(light, photometry.blur_px) * relative_light(camera, photometry, corner, end)
+        halo = reach(photometry.blur_px)
+        wider = corner - halo, end + halo
+        light = cells(self._light(camera, T_world_target, *wider), _FINER)
+        behind = behind_lens(light, relative_light(camera, photometry, *wider), photometry.blur_px)
         radii = 0.5 * self.target.outer_diameters_mm()
         images = of_places(dot_images(camera, T_world_target, self.target.points(), radii), radii)
         return ImagedPrint(

@@ -18,7 +18,7 @@ from labcal.geometry.poses import transform
 from labcal.render.bands import ROWS, strips
 from labcal.render.development import develop
 from labcal.render.film import CELLS_AT_ONCE
-from labcal.render.point_spread import cells, finer, gathered, in_cells, reach
+from labcal.render.point_spread import behind_lens, cells, finer, in_cells, reach
 from labcal.render.sensor_response import Shot, exposure_for, read_sensor
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry, PictureFormat, Stage
@@ -86,19 +86,19 @@ def drawn_view(
         paper, ink = ink, paper
     (width, height), blur_px = (end - corner).tolist(), photometry.blur_px
     cells_a_pixel = finer(blur_px, _RAYS)
-    light = np.empty((height, width), dtype=np.float32)
-    for own, wide in strips(height, max(ROWS, CELLS_AT_ONCE // (width * cells_a_pixel**2)), reach(blur_px)):
-        rows = wide.stop - wide.start
-        fine = np.full((cells_a_pixel * rows, cells_a_pixel * width), BACKGROUND, dtype=np.float32)
-        first = corner + np.array([0, wide.start])
+    halo, light = reach(blur_px), np.empty((height, width), dtype=np.float32)
+    share = relative_light(camera, photometry, corner - halo, end + halo)
+    for own, wide in strips(height, max(ROWS, CELLS_AT_ONCE // (width * cells_a_pixel**2)), halo):
+        size = cells_a_pixel * np.array([len(wide), width + 2 * halo])
+        fine = np.full(size, BACKGROUND, dtype=np.float32)
+        first = corner + np.array([-halo, wide.start])
         sheet = np.rint(in_cells(edge.q[edge.ok] - first, cells_a_pixel))
         cv2.fillPoly(fine, [sheet.astype(np.int32)], paper)
         for some, times in outlines:
             for outline in some:
                 _fill(fine, in_cells(outline - first, cells_a_pixel), times * (ink - paper))
-        seen = gathered(cells(fine, cells_a_pixel), blur_px)
-        light[own] = seen[own.start - wide.start : own.stop - wide.start]
-    light *= relative_light(camera, photometry, corner, end)
+        passing = share[wide.start + halo : wide.stop + halo]
+        light[own] = behind_lens(cells(fine, cells_a_pixel), passing, blur_px)
     return DrawnView(taken_picture(light, photometry, shot), corner, images)
 
 

@@ -7,7 +7,7 @@ from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
 from labcal.geometry.poses import transform
 from labcal.guide.rehearsal.drawn_view import BACKGROUND, board_edge, cut_out, relative_light, taken_picture
-from labcal.render.point_spread import cells, gathered, in_cells
+from labcal.render.point_spread import behind_lens, cells, in_cells, reach
 from labcal.render.sensor_response import Shot
 from labcal.scene.board import Board
 from labcal.scene.photometry import Photometry
@@ -48,24 +48,25 @@ def drawn_print(
     """
     edge = camera.project(transform(T_world_target, board_edge(target)))
     corner, end = cut_out(camera, edge.q[edge.ok])
-    width, height = (end - corner).tolist()
+    halo = reach(photometry.blur_px)
+    first, (width, height) = corner - halo, (end - corner + 2 * halo).tolist()
     fine = np.zeros((height * _FINER, width * _FINER), dtype=np.uint8)
     scale = float(np.ptp(edge.q[edge.ok], axis=0).max()) / max(np.ptp(board_edge(target), axis=0))
     parts = []
     for ring in _polygons(target, _PIECE_PX / max(scale, 1e-9)):
         image = camera.project(transform(T_world_target, np.column_stack([ring, np.zeros(len(ring))])))
         if image.ok.all():
-            place = in_cells(image.q - corner, _FINER) * 2**_SHIFT
+            place = in_cells(image.q - first, _FINER) * 2**_SHIFT
             parts.append(np.rint(place).astype(np.int32))
     cv2.fillPoly(fine, parts, 255, lineType=cv2.LINE_8, shift=_SHIFT)
     size = (_CELLS * width, _CELLS * height)
     share = cv2.resize(fine, size, interpolation=cv2.INTER_AREA).astype(np.float32) / np.float32(255.0)
     paper, ink = Board().light[0], Board().dark[0]
     light = np.full(share.shape, BACKGROUND, dtype=np.float32)
-    cv2.fillPoly(light, [np.rint(in_cells(edge.q[edge.ok] - corner, _CELLS)).astype(np.int32)], paper)
+    cv2.fillPoly(light, [np.rint(in_cells(edge.q[edge.ok] - first, _CELLS)).astype(np.int32)], paper)
     light += share * np.float32(ink - paper)
-    seen = gathered(cells(light, _CELLS), photometry.blur_px)
-    seen *= relative_light(camera, photometry, corner, end)
+    share = relative_light(camera, photometry, first, end + halo)
+    seen = behind_lens(cells(light, _CELLS), share, photometry.blur_px)
     return taken_picture(seen, photometry, shot), corner
 
 

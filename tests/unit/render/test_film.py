@@ -6,10 +6,10 @@ import pytest
 from blurred_edge import mean_in_squares
 from scipy.spatial.transform import Rotation
 
-from labcal.bench.held_board import BARE_BOARD, blurred_scene, board_scene, still_take
+from labcal.bench.held_board import BARE_BOARD, CAMERA, blurred_scene, board_scene, still_take
 from labcal.detect.detector import detect_dots
 from labcal.geometry.poses import pose
-from labcal.render.film import Shading, traced_cells
+from labcal.render.film import Places, Shading, traced_cells
 from labcal.render.irradiance import Case, render_light
 from labcal.render.laboratories import Laboratories
 from labcal.render.laboratory import Draw
@@ -25,15 +25,17 @@ BOARD = Chessboard(kind="chessboard", name="board", cols=8, rows=6, square_mm=40
 DISTORTION = (-0.2, 0.05, 1e-3, -5e-4, 0.0)
 
 
-def held(width: int, height: int, spp: int, turn: tuple[float, float, float]) -> tuple[Scene, Take]:
+def held(
+    width: int, height: int, spp: int, turn: tuple[float, float, float], board: Chessboard = BOARD
+) -> tuple[Scene, Take]:
     """Return a chessboard before a distorting camera, 1 m away, and its only take."""
     camera = CameraDescription(
         size=(width, height), focal_px=1.6 * width, lens="brown5", dist=DISTORTION,
         eye_mm=(0.0, 0.0, 1000.0), look_at_mm=(0.0, 0.0, 0.0),
     )  # fmt: skip
-    scene = board_scene(BOARD, camera, spp)
+    scene = board_scene(board, camera, spp)
     R = Rotation.from_rotvec(turn).as_matrix()
-    return scene, still_take(scene, pose(R, -R @ BOARD.points().mean(axis=0)))
+    return scene, still_take(scene, pose(R, -R @ board.points().mean(axis=0)))
 
 
 def rendered(scene: Scene, take: Take, shading: Shading | None = None) -> np.ndarray:
@@ -49,7 +51,7 @@ def bare(scene: Scene) -> Scene:
 @pytest.mark.parametrize(("count", "side"), [(64, 4), (16, 2), (6, 2), (1, 2)])
 def test_cells_hold_the_rays_of_their_pixels(count: int, side: int) -> None:
     scene, take = held(64, 48, count, (0.1, 0.2, 0.05))
-    pixels = np.arange(64 * 48)
+    pixels = Places.of(np.arange(64 * 48), 64)
     with renderer(MONO) as mi:
         laboratory = Laboratories(mi, scene, 0).of_size((64, 48))
         laboratory.place(take.track.at(0.0))
@@ -100,6 +102,23 @@ def test_a_picture_does_not_depend_on_how_many_rows_a_film_has(monkeypatch: pyte
         with monkeypatch.context() as patched:
             patched.setattr("labcal.render.irradiance.CELLS_AT_ONCE", 1)
             np.testing.assert_array_equal(whole, rendered(blurred, take))
+
+
+def test_what_lies_beyond_the_frame_is_blurred_into_the_picture() -> None:
+    """Pixels at the frame were repeated beyond it, which moved corners near it by many of their errors."""
+    scene, take = held(64, 48, 1024, (0.1, 0.2, 0.05), BOARD.model_copy(update={"square_mm": 110.0}))
+    wider = scene.cameras[CAMERA].model_copy(
+        update={"size": (84, 68), "focal_px": 1.6 * 64, "principal_px": (10.0 + 31.5, 10.0 + 23.5)}
+    )
+    scene = blurred_scene(scene, 2.3)
+    all_ = scene.model_copy(update={"cameras": {CAMERA: wider}})
+    inner = rendered(all_, still_take(all_, take.track.T_world_target))[10:-10, 10:-10]
+    off = (rendered(scene, take) - inner) / np.ptp(inner)
+    rim = np.ones(off.shape, dtype=bool)
+    rim[4:-4, 4:-4] = False
+    rim[:8, :8] = rim[:8, -8:] = rim[-8:, :8] = rim[-8:, -8:] = False  # beyond the farthest place of the lens
+    assert np.ptp(inner[rim]) > 0.5 * np.ptp(inner)
+    assert np.abs(off[rim]).max() < 0.01
 
 
 def test_a_rendered_edge_is_that_of_a_lens_before_the_sensor() -> None:
