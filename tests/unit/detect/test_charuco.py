@@ -12,11 +12,13 @@ from labcal.bench.solve.board_set import DrawnViews
 from labcal.detect.corners.corner_fit import CornerFit, Surroundings, fit_corner
 from labcal.detect.corners.corner_kernel import CHESSBOARD, pattern_values
 from labcal.detect.corners.corner_model import CornerPixels, linearise
+from labcal.detect.corners.corners import Corners, measured_corners
 from labcal.detect.corners.local_maps import local_maps
 from labcal.detect.corners.uncovered import noise_around, uncovered
 from labcal.detect.detector import detect_dots
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import DotFlag, Refusal
+from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.render.sensor_response import Shot
 from labcal.targets.catalogue import load_target
@@ -101,6 +103,25 @@ def test_normalised_errors_pass_a_chi_square_test() -> None:
         rms_opencv.append(float(np.sqrt(((theirs - q.reshape(-1, 2)) ** 2).sum(axis=1).mean())))
         assert np.sqrt((off**2).sum(axis=1).mean()) < 0.5 * rms_opencv[-1]
     assert 0.005 < chi2.sf(squares, count) < 0.995
+
+
+def test_corners_are_found_from_four_where_rough_places_are_off() -> None:
+    """Two markers of a blurred board placed fourteen corners, ten of them so badly that no fit found them."""
+    T = pose(25, -30, 10)
+    picture = draw(T).astype(np.float32)
+    p = BOARD.points()
+    q = cv2.projectPoints(p, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], K, DIST)[0].reshape(-1, 2)
+    four = [8, 9, 14, 15]
+    rough = Corners(BOARD.indices(), q + np.where(np.isin(np.arange(24), four), 0.0, 0.3 * 20.0)[:, None], [])
+    some = rough.index[four], rough.seen_at[four]
+    for index, seen_at in ((rough.index, rough.seen_at), some):
+        given = Corners(index, seen_at, [None] * len(index))
+        found = measured_corners(picture, BOARD, given, DetectSettings())
+        assert sorted(map(tuple, found.index.tolist())) == sorted(map(tuple, rough.index.tolist()))
+        assert all(fit is not None for fit in found.fits)
+        true = q[found.index @ [1, BOARD.cols]]
+        assert np.abs(found.seen_at - true).max() < 0.2
+        assert np.array_equal(found.seen_at, [fit.centre for fit in found.fits if fit is not None])
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.stats import chi2
 
 from labcal.render import bands
-from labcal.render.point_spread import cells, finer, gathered, gathered_variance
+from labcal.render.point_spread import behind_lens, cells, finer, gathered, gathered_variance, reach
 
 HEIGHT, WIDTH = 60, 160
 SLOPE = 1.0 / 20.0
@@ -50,6 +50,17 @@ def test_the_point_spread_is_a_gauss_function(side: int) -> None:
     blurred = gaussian_filter(light.astype(np.float64), 1.3 * side, mode="nearest", truncate=6.0)
     expected = blurred.reshape(200, side, 41, side).mean(axis=(1, 3))
     np.testing.assert_allclose(gathered(cells(light, side), 1.3), expected, atol=1e-4)
+
+
+def test_a_lens_that_holds_back_light_blurs_what_it_lets_pass() -> None:
+    film = np.ones((2, HEIGHT, WIDTH, 2), dtype=np.float32)
+    share = np.repeat(np.arange(WIDTH) > 80, HEIGHT).reshape(WIDTH, HEIGHT).T.astype(np.float32)
+    seen, halo = behind_lens(film, share, 1.4), reach(1.4)
+    assert seen.shape == (HEIGHT - 2 * halo, WIDTH - 2 * halo)
+    distance = np.arange(WIDTH)[halo:-halo] - 80.5
+    true = mean_in_squares(distance, np.array([1.0, 1e-3]), 1.4)
+    np.testing.assert_allclose(seen, np.broadcast_to(true, seen.shape), atol=4e-3)
+    np.testing.assert_array_equal(behind_lens(film, share, 0.0), share)
 
 
 def test_light_without_blur_is_the_mean_of_its_cells() -> None:
