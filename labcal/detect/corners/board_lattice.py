@@ -12,8 +12,8 @@ from labcal.detect.lattice.neighbourhood import PredictionLimits
 from labcal.detect.lattice.rough_undistortion import RoughUndistortion
 from labcal.detect.settings import DetectSettings
 
-_NEIGHBOURS = 24
-"""Saddle points looked at around one."""
+_NEIGHBOURS = 48
+"""Saddle points looked at around one: blurred codes beside a corner have up to thirty."""
 _STEPS: tuple[Node, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))
 
 

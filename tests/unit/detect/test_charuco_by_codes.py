@@ -55,6 +55,15 @@ def test_a_board_none_of_whose_markers_opencv_reads_is_placed(turn_deg: float) -
     assert np.abs(off).max() < 0.4
 
 
+def test_corners_are_neighbours_though_blurred_codes_have_more_saddle_points_between_them() -> None:
+    view = charuco_picture(67, 616)
+    dots = detect_dots(view.picture, view.board)
+    assert dots.refusal is None
+    off = dots.position[dots.ok] - view.corner[dots.index[dots.ok] @ [1, view.board.cols]]
+    assert dots.ok.sum() >= 0.9 * view.visible.sum()
+    assert np.abs(off).max() < 0.3
+
+
 def test_two_clear_codes_far_from_each_other_place_a_board_by_its_lattice() -> None:
     exposure = view(30.0, 0.7)
     picture = with_worn_codes(
