@@ -8,6 +8,9 @@ import numpy as np
 
 from labcal.detect.compiled import compiled
 
+_MARK_GUARD = 2.5
+"""Distance kept from marks, in that kept from markers: a fit subtracts the darkness of markers alone."""
+
 
 @dataclass(frozen=True)
 class Surroundings:
@@ -26,7 +29,8 @@ class Surroundings:
     reach : float
         How far the edges are straight enough, px.
     clear : float
-        Distance from both edges beyond which there may be marks in squares of either colour, in squares.
+        Distance from both edges beyond which there may be marks in squares of either colour, in squares; 1
+        where there are none.
     share : float
         How far from the corner the pixels reach, in squares.
     most : float
@@ -131,6 +135,7 @@ def window_arrays(
     gap = np.empty(2)
     gap[0] = limits.gap * abs(det) / hypot(axes[0, 1], axes[1, 1])
     gap[1] = limits.gap * abs(det) / hypot(axes[0, 0], axes[1, 0])
+    clear = limits.clear - _MARK_GUARD * guard if limits.clear < 1.0 else 1.0
     n, far = 0, reach * reach
     for j in range(high):
         for i in range(wide):
@@ -140,7 +145,7 @@ def window_arrays(
             marked = along * up * limits.white > 0.0 and nearest > limits.gap - guard
             if (
                 marked
-                or nearest > limits.clear - guard
+                or nearest > clear
                 or farthest >= limits.share
                 or dx * dx + dy * dy >= far
                 or grey[top + j, left + i] >= limits.most

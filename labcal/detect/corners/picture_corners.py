@@ -176,7 +176,7 @@ def _determined(
     error = np.sqrt(factor * eigenvalues(np.array(covariances))[:, 1])
     width = np.hypot(blurs, _PIXEL)
     usual = max(settings.max_error_factor * float(np.median(error)), _CERTAIN)
-    uncertain = ~(error <= np.minimum(settings.max_error_widths * width, usual))
+    uncertain = ~(error <= np.minimum(settings.max_error_blurs * width, usual))
     for k, is_uncertain in zip(numbers, uncertain.tolist(), strict=True):
         found[k] = None if is_uncertain else found[k]
     return found

@@ -198,12 +198,12 @@ class CornerSettings(StageSettings):
         lt=0.5,
         description="Most distance of a corner without markers from its prediction. Larger: more wrong ones.",
     )
-    max_error_widths: float = Field(
+    max_error_blurs: float = Field(
         0.25,
         gt=0,
         le=5,
-        description="Error that its pixels leave of a corner, in the width of an edge, above which it is "
-        "bad-fit. Larger: more corners of which little is seen are kept.",
+        description="Error that its pixels leave of a corner above which it is bad-fit; blurs are those of a "
+        "pixel and the lens together. Larger: more corners of which little is seen are kept.",
     )
     max_error_factor: float = Field(
         10.0,

@@ -142,6 +142,26 @@ def test_a_part_of_a_marked_board_is_numbered() -> None:
     assert np.abs(errors(dots, MARKED, how)).max() < 0.1
 
 
+def test_blurred_marks_do_not_move_the_corners_beside_them() -> None:
+    """In six pictures of one view errors cancel; marks moved corners by up to three times their errors."""
+    board = MARKED.model_copy(update={"mark_share": 0.34})
+    how = replace(exposure(board, square=22.0), blur_px=2.0)
+    own = np.array(board.key_indices) @ [1, board.cols]
+    offs, covariances = [], []
+    for seed in range(6):
+        dots = detect_dots(picture(board, how, seed), board)
+        off, covariance = np.full((board.count, 2), np.nan), np.full((board.count, 2, 2), np.nan)
+        number = dots.index[dots.ok] @ [1, board.cols]
+        off[number], covariance[number] = errors(dots, board, how), dots.covariance[dots.ok]
+        offs.append(off[own])
+        covariances.append(covariance[own])
+    measured = np.isfinite(offs).all(axis=(0, 2))
+    assert measured.sum() >= 6
+    mean, variance = np.mean(offs, axis=0)[measured], np.mean(covariances, axis=0)[measured] / 6.0
+    squares = float(np.einsum("ni,nij,nj->", mean, np.linalg.inv(variance), mean))
+    assert chi2.sf(squares, mean.size) > 0.005
+
+
 def test_blurred_marks_are_read_through_noise() -> None:
     how = replace(exposure(MARKED, tilt=0.1, square=20.0), blur_px=2.5, noise=0.036)
     how = replace(how, H=np.array([[1.0, 0, 40], [0, 1, 20], [0, 0, 1]]) @ how.H)

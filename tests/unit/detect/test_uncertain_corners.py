@@ -62,7 +62,7 @@ def test_a_corner_of_which_little_is_seen_is_not_measured(monkeypatch: pytest.Mo
 
     # Error in the width of an edge, and in what is usual: either alone refuses it.
     free = DetectSettings().model_copy(
-        update={"corner": DetectSettings().corner.model_copy(update={"max_error_widths": 5.0})}
+        update={"corner": DetectSettings().corner.model_copy(update={"max_error_blurs": 5.0})}
     )
     assert picture_corners(thinned, grey, None, free).flag[at] is DotFlag.BAD_FIT
     free = free.model_copy(update={"corner": free.corner.model_copy(update={"max_error_factor": 1000.0})})
