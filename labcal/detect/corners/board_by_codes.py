@@ -1,5 +1,6 @@
 """A ChArUco board placed by the lattice of its corners and the likeness of all squares to its codes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,7 @@ from scipy.stats import norm
 
 from labcal.detect.corners.board_lattice import find_board_lattices, lattice_colours
 from labcal.detect.corners.code_likeness import CodeLikeness, board_codes, seen_cells, turned_codes
-from labcal.detect.corners.corners import Corners
+from labcal.detect.corners.corners import Corners, measured_corners
 from labcal.detect.corners.reduced import Reduced, reduced_pictures
 from labcal.detect.corners.saddles import Saddles, find_saddles
 from labcal.detect.grey import GreyPicture
@@ -16,6 +17,7 @@ from labcal.detect.lattice.lattice import Lattice
 from labcal.detect.lattice.rings import TURNS
 from labcal.detect.lattice.rough_undistortion import NONE
 from labcal.detect.settings import DetectSettings
+from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.charuco import CharucoBoard
 
 _OVERHANG = 2
@@ -33,6 +35,9 @@ _LEAST_SADDLES = 4
 _UNLIKE = 0.5
 """Likeness of a square to its code, of the most of all squares, below which it speaks against a place."""
 
+_JUDGED = 2
+"""Times that a lattice is judged: as it is found, and with corners that are looked for beside it."""
+
 _RINGS = (1.0, 0.7)
 """Radii of the rings that are read around corners, of the usual one: beside small squares lie markers."""
 
@@ -48,6 +53,25 @@ class _Place:
     """The same without the square that tells most."""
     against: float
     """Share of the evidence in squares that are much less like their codes than the clearest one."""
+
+
+@dataclass(frozen=True)
+class _Squares:
+    """Whole white squares of a lattice.
+
+    Attributes
+    ----------
+    first : ndarray of int, shape (n, 2)
+        Their lowest nodes.
+    corners : ndarray, shape (n, 4, 2)
+        From that node on around, px.
+    steps : ndarray, shape (n,)
+        From black to white, grey values.
+    """
+
+    first: Int[np.ndarray, "n 2"]
+    corners: np.ndarray
+    steps: np.ndarray
 
 
 def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSettings) -> Corners:
@@ -94,33 +118,65 @@ def corners_by_codes(grey: GreyPicture, board: CharucoBoard, settings: DetectSet
 def _placed(
     level: Reduced, seen: tuple[Lattice, Saddles], board: CharucoBoard, settings: DetectSettings
 ) -> Corners:
-    """Return the corners of a lattice, if its codes tell where on the board it is."""
+    """Return the corners of a lattice, if its codes tell where on the board it is.
+
+    Where they say so, but not surely enough, corners are looked for beside the lattice as if it lay there,
+    and all squares between these are judged.
+    """
     lattice, saddles = seen
     nodes = np.array(list(lattice.spots), dtype=np.int64)
     spots = np.array(list(lattice.spots.values()), dtype=np.int64)
-    squares, quads, steps = _white_squares(lattice, saddles)
-    if len(squares) < settings.corner.min_code_squares:
-        return Corners.none()
-    likeness = CodeLikeness.of(seen_cells(level.grey, quads, steps, board), board.dictionary)
-    places = _places(nodes, squares, likeness, board)
+    places = _places(level, nodes, _white_squares(lattice, saddles), board, settings)
     if not places:
         return Corners.none()
-    places.sort(key=lambda one: -one.sigmas)
     best = places[0]
-    enough = float(norm.isf(settings.corner.code_false_alarm_share / len(places) / len(_RINGS)))
-    certain = best.sigmas > enough and best.without_best > settings.corner.min_code_sigma
-    certain &= best.against < settings.corner.max_code_contradiction_share
-    alone = len(places) == 1 or best.sigmas - places[1].sigmas > settings.corner.min_code_sigma
     index = nodes @ TURNS[best.turn].T + best.shift
     own = ((index >= 0) & (index < [board.cols, board.rows])).all(axis=1)
-    if not (certain and alone) or _goes_on(index, board, settings.saddle.min_line_share):
+    if _goes_on(index, board, settings.saddle.min_line_share):
         return Corners.none()
-    place = level.in_full(saddles.place[spots[own]])
-    return Corners(index[own], place, [None] * int(own.sum()))
+    found = Corners(index[own], saddles.place[spots[own]], [None] * int(own.sum()))
+    if not _is_certain(places, settings.corner):
+        if best.sigmas < settings.corner.min_code_sigma:
+            return Corners.none()
+        found = _grown(level.grey, board, found, settings)
+        places = _places(level, found.index, _squares_between(found, board), board, settings)
+        stays = bool(places) and places[0].turn == 0 and not places[0].shift.any()
+        if not (stays and _is_certain(places, settings.corner)):
+            return Corners.none()
+    return Corners(found.index, level.in_full(found.seen_at), [None] * len(found.index))
 
 
-def _white_squares(lattice: Lattice, saddles: Saddles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the whole white squares of a lattice: their first nodes, their corners, and steps of grey."""
+def _is_certain(places: Sequence[_Place], settings: CornerSettings) -> bool:
+    """Tell whether the codes are like those of the first place beyond chance, and of no other one."""
+    best, looks = places[0], len(_RINGS) * _JUDGED
+    enough = float(norm.isf(settings.code_false_alarm_share / len(places) / looks))
+    certain = best.sigmas > enough and best.without_best > settings.min_code_sigma
+    certain &= best.against < settings.max_code_contradiction_share
+    return certain and (len(places) == 1 or best.sigmas - places[1].sigmas > settings.min_code_sigma)
+
+
+def _grown(grey: GreyPicture, board: CharucoBoard, known: Corners, settings: DetectSettings) -> Corners:
+    """Return the corners that are fitted, from known ones on."""
+    found = measured_corners(grey, board, known, settings)
+    return found.select(np.flatnonzero([fit is not None for fit in found.fits]))
+
+
+def _squares_between(corners: Corners, board: CharucoBoard) -> _Squares:
+    """Return the whole white squares between fitted corners."""
+    number = {(int(i), int(j)): k for k, (i, j) in enumerate(corners.index)}
+    squares, around = [], []
+    for i, j in number:
+        ends = [number.get(node, -1) for node in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+        if min(ends) >= 0 and not board.is_black(np.array([i + 1]), np.array([j + 1]))[0]:
+            squares.append((i, j))
+            around.append(ends)
+    spots = np.array(around, dtype=np.int64).reshape(-1, 4)
+    steps = np.array([0.0 if fit is None else fit.step for fit in corners.fits])
+    return _Squares(np.array(squares).reshape(-1, 2), corners.seen_at[spots], steps[spots].mean(axis=1))
+
+
+def _white_squares(lattice: Lattice, saddles: Saddles) -> _Squares:
+    """Return the whole white squares of a lattice."""
     nodes = np.array(list(lattice.spots), dtype=np.int64)
     low = nodes.min(axis=0)
     grid = np.full(nodes.max(axis=0) - low + 1, -1)
@@ -131,13 +187,17 @@ def _white_squares(lattice: Lattice, saddles: Saddles) -> tuple[np.ndarray, np.n
     around = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=-1)
     whole = (around >= 0).all(axis=-1) & white[:-1, :-1]
     spots = around[whole]
-    return np.argwhere(whole) + low, saddles.place[spots], saddles.step[spots].mean(axis=1)
+    return _Squares(np.argwhere(whole) + low, saddles.place[spots], saddles.step[spots].mean(axis=1))
 
 
 def _places(
-    nodes: np.ndarray, squares: np.ndarray, likeness: CodeLikeness, board: CharucoBoard
+    level: Reduced, nodes: np.ndarray, white: _Squares, board: CharucoBoard, settings: DetectSettings
 ) -> list[_Place]:
-    """Return all places of a lattice on a board at which white squares are white."""
+    """Return all places of a lattice on a board at which white squares are white, the likeliest first."""
+    squares = white.first
+    if len(squares) < settings.corner.min_code_squares:
+        return []
+    likeness = CodeLikeness.of(seen_cells(level.grey, white.corners, white.steps, board), board.dictionary)
     codes, number = board_codes(board), _marker_numbers(board)
     found = []
     for turn, matrix in enumerate(TURNS):
@@ -161,7 +221,7 @@ def _places(
                 unlike = sigmas < _UNLIKE * sigmas.max()
                 against = float((weight[unlike] ** 2).sum() / (weight**2).sum())
                 found.append(_Place(turn, shift, total, without, against))
-    return found
+    return sorted(found, key=lambda one: -one.sigmas)
 
 
 def _marker_numbers(board: CharucoBoard) -> Int[np.ndarray, "cols rows"]:

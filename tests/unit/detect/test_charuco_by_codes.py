@@ -64,6 +64,16 @@ def test_corners_are_neighbours_though_blurred_codes_have_more_saddle_points_bet
     assert np.abs(off).max() < 0.3
 
 
+def test_corners_beside_a_small_lattice_are_looked_for_where_its_codes_are_not_enough() -> None:
+    """Fifteen saddle points between them hold two whole squares: likely (4.8 deviations), but not certain."""
+    view = charuco_picture(86, 616)
+    picture = drawn(view.exposure, charuco_ink(view.board), view.covers, np.random.default_rng(3))
+    found = corners_by_codes(picture.astype(np.float32), view.board, DetectSettings())
+    assert len(found.index) >= 25
+    off = found.seen_at - view.corner[found.index @ [1, view.board.cols]]
+    assert np.abs(off).max() < 1.0
+
+
 def test_two_clear_codes_far_from_each_other_place_a_board_by_its_lattice() -> None:
     exposure = view(30.0, 0.7)
     picture = with_worn_codes(
