@@ -10,6 +10,7 @@ from scipy.stats import norm
 from labcal.detect.corners.board_lattice import find_board_lattices, lattice_colours
 from labcal.detect.corners.code_likeness import CodeLikeness, board_codes, seen_cells, turned_codes
 from labcal.detect.corners.corners import Corners, measured_corners
+from labcal.detect.corners.node_grid import NodeGrid
 from labcal.detect.corners.reduced import Reduced, reduced_pictures
 from labcal.detect.corners.saddles import Saddles, find_saddles
 from labcal.detect.grey import GreyPicture
@@ -139,6 +140,8 @@ def _placed(
         if best.sigmas < settings.corner.min_code_sigma:
             return Corners.none()
         found = _grown(level.grey, board, found, settings)
+        if len(found.index) == 0:
+            return found
         places = _places(level, found.index, _squares_between(found, board), board, settings)
         stays = bool(places) and places[0].turn == 0 and not places[0].shift.any()
         if not (stays and _is_certain(places, settings.corner)):
@@ -163,31 +166,43 @@ def _grown(grey: GreyPicture, board: CharucoBoard, known: Corners, settings: Det
 
 def _squares_between(corners: Corners, board: CharucoBoard) -> _Squares:
     """Return the whole white squares between fitted corners."""
-    number = {(int(i), int(j)): k for k, (i, j) in enumerate(corners.index)}
-    squares, around = [], []
-    for i, j in number:
-        ends = [number.get(node, -1) for node in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
-        if min(ends) >= 0 and not board.is_black(np.array([i + 1]), np.array([j + 1]))[0]:
-            squares.append((i, j))
-            around.append(ends)
-    spots = np.array(around, dtype=np.int64).reshape(-1, 4)
-    steps = np.array([0.0 if fit is None else fit.step for fit in corners.fits])
-    return _Squares(np.array(squares).reshape(-1, 2), corners.seen_at[spots], steps[spots].mean(axis=1))
+    low, high = corners.index.min(axis=0), corners.index.max(axis=0)
+    i, j = np.mgrid[low[0] : high[0] + 1, low[1] : high[1] + 1] + 1
+    white = ~board.is_black(i.ravel(), j.ravel()).reshape(i.shape)
+    steps = np.array([fit.step for fit in corners.fits if fit is not None])
+    return _whole_squares(corners.index, white, corners.seen_at, steps)
 
 
 def _white_squares(lattice: Lattice, saddles: Saddles) -> _Squares:
     """Return the whole white squares of a lattice."""
     nodes = np.array(list(lattice.spots), dtype=np.int64)
+    spots = np.array(list(lattice.spots.values()), dtype=np.int64)
     low = nodes.min(axis=0)
     grid = np.full(nodes.max(axis=0) - low + 1, -1)
-    grid[tuple((nodes - low).T)] = list(lattice.spots.values())
+    grid[tuple((nodes - low).T)] = spots
     a, b = np.indices(grid.shape)
     phase = np.where((a + b) % 2 == 0, 1, -1)
     white = phase * np.sign((lattice_colours(grid, saddles) * phase).sum()) > 0
-    around = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=-1)
-    whole = (around >= 0).all(axis=-1) & white[:-1, :-1]
-    spots = around[whole]
-    return _Squares(np.argwhere(whole) + low, saddles.place[spots], saddles.step[spots].mean(axis=1))
+    return _whole_squares(nodes, white, saddles.place[spots], saddles.step[spots])
+
+
+def _whole_squares(nodes: np.ndarray, white: np.ndarray, place: np.ndarray, step: np.ndarray) -> _Squares:
+    """Return the squares all of whose corners are known.
+
+    Parameters
+    ----------
+    nodes : ndarray of int, shape (n, 2)
+        Of the corners.
+    white : ndarray of bool, shape (a, b)
+        Whether the square between the axes is, at all nodes of the rectangle that these take up.
+    place, step : ndarray, shapes (n, 2) and (n,)
+        Of the corners, px and grey values.
+    """
+    seen = NodeGrid(nodes).spread(np.column_stack([place, step]))
+    around = np.stack([seen[:-1, :-1], seen[1:, :-1], seen[1:, 1:], seen[:-1, 1:]], axis=2)
+    whole = np.isfinite(around[..., 0]).all(axis=2) & white[:-1, :-1]
+    corners = around[whole]
+    return _Squares(np.argwhere(whole) + nodes.min(axis=0), corners[..., :2], corners[..., 2].mean(axis=1))
 
 
 def _places(

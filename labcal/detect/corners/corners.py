@@ -120,19 +120,20 @@ def measured_corners(
         beside = _beside(known, board)
         if all(tried.get(node, 0) >= _ALL_NEAR for node in beside):
             break
-        predictor = Predictor(Lattice(dict(known)), _as_outlines(seen_at), _near(len(known), settings.grid))
+        predictor = Predictor(
+            Lattice(dict(known)), _as_outlines(seen_at), _predicting(len(known), settings.grid)
+        )
         expected = predictor.predict(beside)
         new = {node: one for node, one in expected.items() if tried.get(node, 0) < one.neighbours}
         tried |= {node: one.neighbours for node, one in new.items()}
         for node, fit in zip(new, search.fits_at(new), strict=True):
             if fit is None or standard.met_by(fit, settings.corner) is None:
                 continue
-            if node not in numbers:
-                numbers[node] = len(index)
+            known[node] = number = numbers.setdefault(node, len(index))
+            if number == len(index):
                 index.append(node)
-                fits.append(None)
+                fits.append(fit)
                 seen_at.append(fit.centre)
-            known[node] = number = numbers[node]
             fits[number], seen_at[number] = fit, fit.centre
             found = True
     return Corners(np.array(index, dtype=np.int64), np.array(seen_at), fits)
@@ -165,7 +166,7 @@ def widened_corners(
     return Corners(corners.index, places_of(found, corners.seen_at), found)
 
 
-def _near(known: int, settings: GridSettings) -> GridSettings:
+def _predicting(known: int, settings: GridSettings) -> GridSettings:
     """Return the settings of predictions, of which four corners, if there are no more, give some."""
     if known > _FEWEST:
         return settings
