@@ -4,6 +4,7 @@ A name is split into parts: folders, words, numbers, dates and times, what stand
 several cameras differ in one part that takes every value in every view; those of one camera count on.
 """
 
+import re
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,8 +26,13 @@ _NO_CAMERA = {
     "session", "take", "run", "day", "exp", "exposure", "gain", "part", "plane", "height",
 }  # fmt: skip
 """Words before a number that does not count cameras."""
+_START = re.compile(r"[\W\d_].*")
+"""All of a folder's name behind the word that it begins with."""
 _MOST_CAMERAS, _MOST_NAMED = 8, 64
-"""Cameras that parts of names may tell, unless they are called so; and as many if they are."""
+"""Cameras that parts of names may tell, unless they are called so; and as many if they are.
+
+Where the rest of the name is called a view or the like, there may be as many cameras as views.
+"""
 _FULL, _FULL_VIEWS, _MANY_VIEWS = 0.8, 3, 5
 """Share of pictures, and whole views, from which on some may be missing where a single digit or letter at the
 end of the names is the camera's; and whole views where a folder, a word or the number of a device is."""
@@ -130,6 +136,10 @@ class _Names:
     def _at(self, split: NameParts, places: Sequence[int]) -> tuple[str, ...]:
         return tuple(split.parts[place] for place in places)
 
+    def _rest(self, places: Sequence[int]) -> list[int]:
+        """Return all other places: where names differ there, they tell the view."""
+        return [place for place in range(len(self.kinds)) if place not in places]
+
     def _values(self, places: tuple[int, ...]) -> list[tuple[str, ...]]:
         return sorted({self._at(split, places) for split in self.splits}, key=in_order)
 
@@ -138,8 +148,10 @@ class _Names:
         count = len(self._values(places))
         if count > _MOST_NAMED:
             return False
-        unnamed = count <= _MOST_CAMERAS and self._may_number(places) and self._crosses(places)
-        return self._is_named(places) or unnamed
+        rest = self._rest(places)
+        views = len({self._at(split, rest) for split in self.splits})
+        few = count <= (max(_MOST_CAMERAS, views) if any(map(self._is_view, rest)) else _MOST_CAMERAS)
+        return self._is_named(places) or (few and self._may_number(places) and self._crosses(places))
 
     def _is_named(self, places: tuple[int, ...]) -> bool:
         """Tell whether the parts are sides, or numbers or letters of what is called a camera."""
@@ -155,7 +167,13 @@ class _Names:
         return False
 
     def _word_before(self, place: int) -> str:
-        """Return the word that stands before a part, where it is the same in all names."""
+        """Return the word that stands before a part, where it is the same in all names.
+
+        A folder's is the one that it begins with: ``pose`` of ``pose1`` and ``pose_2``.
+        """
+        if self.kinds[place] == "folder":
+            starts = {_START.sub("", split.parts[place]).casefold() for split in self.splits}
+            return starts.pop() if len(starts) == 1 else ""
         before = place - 1
         if before >= 0 and self.kinds[before] == "between":
             before -= 1
@@ -166,20 +184,27 @@ class _Names:
 
     def _may_number(self, places: tuple[int, ...]) -> bool:
         """Tell whether the parts could be what cameras are called: not a time, an exposure or a row."""
-        return any(self.kinds[place] in NAMING for place in places) or any(
+        return any(self.kinds[place] in NAMING and not self._is_view(place) for place in places) or any(
             self.kinds[place] == "number"
-            and self._word_before(place) not in _NO_CAMERA
+            and not self._is_view(place)
             and _counts([split.parts[place] for split in self.splits])
             for place in places
         )
 
+    def _is_view(self, place: int) -> bool:
+        """Tell whether a folder or a number is called a view, a position or the like."""
+        return self.kinds[place] in ("folder", "number") and self._word_before(place) in _NO_CAMERA
+
     def _crosses(self, places: tuple[int, ...]) -> bool:
-        """Tell whether every view has every camera, or nearly so where the name ends with the camera's."""
-        rest = [place for place in range(len(self.kinds)) if place not in places]
+        """Tell whether every view has every camera, or nearly so where the name ends with the camera's.
+
+        Cameras are not more than views, unless the rest of the name is called a view or the like.
+        """
+        rest = self._rest(places)
         views = Counter(self._at(split, rest) for split in self.splits)
         cameras = len(self._values(places))
         whole = sum(count == cameras for count in views.values())
-        if len(views) < max(2, cameras):
+        if len(views) < (2 if any(map(self._is_view, rest)) else max(2, cameras)):
             return False
         if whole == len(views):
             return True
@@ -194,7 +219,7 @@ class _Names:
 
     def _pairs(self, places: tuple[int, ...]) -> bool:
         """Tell whether views have pictures of all cameras, and not by chance."""
-        rest = [place for place in range(len(self.kinds)) if place not in places]
+        rest = self._rest(places)
         views = Counter(self._at(split, rest) for split in self.splits)
         whole = sum(count == len(self._values(places)) for count in views.values())
         return whole > _BY_CHANCE * len(views)

@@ -45,6 +45,22 @@ PAIRED = {
     ),
     "folders below": (crossed("{c}/data/{n}.png", ("cam0", "cam1")), "cam0/*=cam0,cam1/*=cam1"),
     "a folder a view": (crossed("scene{n}/im{c}.png", ("0", "1")), "*/im0=cam0,*/im1=cam1"),
+    "more cameras than poses": (
+        crossed("pose{n}/c{c}.png", ("1", "2", "3", "4"), 3),
+        "*/c1=cam1,*/c2=cam2,*/c3=cam3,*/c4=cam4",
+    ),
+    "more cameras than poses, told twice": (
+        [f"pose_{n}/pose_{n}_{c}.png" for n in range(3) for c in "ABCD"],
+        "_A=A,_B=B,_C=C,_D=D",
+    ),
+    "more cameras than views": (
+        crossed("view{n}_{c}.png", tuple("01234"), 3),
+        ",".join(f"_{n}=cam{n}" for n in range(5)),
+    ),
+    "twelve in many views": (
+        crossed("view{n:02d}_{c}.png", tuple(str(number) for number in range(1, 13)), 12),
+        ",".join(f"_{number}=cam{number}" for number in range(1, 13)),
+    ),
     "words": (crossed("{c}_{n:04d}.png", ("master", "slave")), "master_*=master,slave_*=slave"),
     "one of a word lost": (crossed("{c}_{n}.png", ("vis", "nir"))[:-1], "nir_*=nir,vis_*=vis"),
     "one in a folder lost": (crossed("{c}/{n}.png", ("front", "back"))[:-1], "back/*=back,front/*=front"),
