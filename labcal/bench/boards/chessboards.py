@@ -72,7 +72,7 @@ def _bounds(picture: ChessboardPicture, number: int) -> np.ndarray:
     row, col = divmod(number, picture.board.cols)
     corner = ImagedCorner(
         centre, picture.axes(number), exposure.blur_px, INK * light, PAPER * light,
-        clear=picture.board.clear_reach(col, row),
+        mark=0.5 - picture.board.clear_reach(col, row),
     )  # fmt: skip
     return corner_bounds(corner, weighted_noises(exposure.noise, light))
 

@@ -37,7 +37,9 @@ class ImagedCorner:
     reach : float
         Pixels count up to so many squares from either edge.
     clear : float
-        And of these, those that are so near to one of the edges: there may be a mark beyond.
+        And of these, those that are so near to one of the edges: there may be a marker beyond.
+    mark : float
+        And those farther from the middles of the squares, where there may be a round mark.
     """
 
     centre: np.ndarray
@@ -47,6 +49,7 @@ class ImagedCorner:
     light: float
     reach: float = 0.5
     clear: float = 1.0
+    mark: float = 0.0
 
     @property
     def directions(self) -> np.ndarray:
@@ -56,7 +59,8 @@ class ImagedCorner:
     def counts(self, along: np.ndarray) -> np.ndarray:
         """Return which pixels count, by their coordinates along the edges (2, h, w), in squares."""
         away = np.abs(along)
-        return np.asarray((away.max(axis=0) <= self.reach) & (away.min(axis=0) <= self.clear))
+        plain = (away.min(axis=0) <= self.clear) & (np.hypot(*(0.5 - away)) >= self.mark)
+        return np.asarray((away.max(axis=0) <= self.reach) & plain)
 
 
 @dataclass(frozen=True)

@@ -29,8 +29,8 @@ class Surroundings:
     reach : float
         How far the edges are straight enough, px.
     clear : float
-        Distance from both edges beyond which there may be marks in squares of either colour, in squares; 1
-        where there are none.
+        Distance from either edge at which round marks in the middles of squares of either colour may begin,
+        in squares; 1 where there are none.
     share : float
         How far from the corner the pixels reach, in squares.
     most : float
@@ -135,7 +135,7 @@ def window_arrays(
     gap = np.empty(2)
     gap[0] = limits.gap * abs(det) / hypot(axes[0, 1], axes[1, 1])
     gap[1] = limits.gap * abs(det) / hypot(axes[0, 0], axes[1, 0])
-    clear = limits.clear - _MARK_GUARD * guard if limits.clear < 1.0 else 1.0
+    mark = 0.5 - limits.clear + _MARK_GUARD * guard if limits.clear < 1.0 else 0.0
     n, far = 0, reach * reach
     for j in range(high):
         for i in range(wide):
@@ -145,7 +145,7 @@ def window_arrays(
             marked = along * up * limits.white > 0.0 and nearest > limits.gap - guard
             if (
                 marked
-                or nearest > clear
+                or hypot(0.5 - nearest, 0.5 - farthest) < mark
                 or farthest >= limits.share
                 or dx * dx + dy * dy >= far
                 or grey[top + j, left + i] >= limits.most

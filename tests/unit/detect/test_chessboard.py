@@ -162,6 +162,17 @@ def test_blurred_marks_do_not_move_the_corners_beside_them() -> None:
     assert chi2.sf(squares, mean.size) > 0.005
 
 
+def test_corners_beside_blurred_marks_are_measured() -> None:
+    """What a mark reaches is a disc, not all that lies deeper in its square than the mark does."""
+    board = MARKED.model_copy(update={"mark_share": 0.34})
+    how = replace(exposure(board, tilt=0.2, square=15.0), blur_px=1.7)
+    dots = detect_dots(picture(board, how), board)
+    near = np.array([board.clear_reach(col, row) < 1.0 for col, row in dots.index.tolist()])
+    assert near.sum() == 8
+    assert dots.ok[near].all()
+    assert np.abs(errors(dots, board, how)).max() < 0.1
+
+
 def test_blurred_marks_are_read_through_noise() -> None:
     how = replace(exposure(MARKED, tilt=0.1, square=20.0), blur_px=2.5, noise=0.036)
     how = replace(how, H=np.array([[1.0, 0, 40], [0, 1, 20], [0, 0, 1]]) @ how.H)
