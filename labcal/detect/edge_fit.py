@@ -12,6 +12,7 @@ from labcal.detect.edges.edge_model import STATE
 from labcal.detect.edges.gauss_newton import fit_all
 from labcal.detect.edges.harmonics import KeptFits
 from labcal.detect.edges.light_sums import light_slopes
+from labcal.detect.edges.neighbours import any_near, apart
 from labcal.detect.edges.noise import noise_factor
 from labcal.detect.edges.one_light import OneLight
 from labcal.detect.edges.outline_noise import outline_noise
@@ -121,6 +122,7 @@ def fit_edges(
     table[:, :2] = spots.centre
     table[:, 2], table[:, 3], table[:, 4] = flatten[:, 0, 0], flatten[:, 0, 1], flatten[:, 1, 1]
     table[:, 5] = np.clip(spots.blur, settings.first_blur_px, settings.max_first_blur_radii * spots.radius)
+    begun = table.copy()
     every = max(1, -(-count // settings.noise_dots))
     sums = np.zeros((-(-count // every), LAGS, SUMS))
     outlines_every = max(1, -(-count // settings.noise_outlines))
@@ -129,6 +131,12 @@ def fit_edges(
     limits = settings.limits(EdgeLimits), settings.limits(ResidualLimits)
     certainty = np.zeros((count, CERTAINTY))
     ok, pixels, places = fit_all(grey, table, hole, picture, limits, (sums, certainty))
+    for _ in range(settings.neighbour_rounds):
+        if not any_near(table, ok, reach, settings.near_neighbour_blurs):
+            break
+        alone = apart(grey, table, ok, hole)
+        sums[:], certainty[:], table[~ok] = 0.0, 0.0, begun[~ok]
+        ok, pixels, places = fit_all(alone, table, hole, picture, limits, (sums, certainty))
     table[~ok] = np.nan
     flat = noise_factor(sums, settings)
     light = OneLight.of(table, flat, settings)

@@ -13,9 +13,8 @@ from labcal.detect.flags import DotFlag
 from labcal.detect.lattice.dot_shapes import deviating_shapes
 from labcal.detect.lattice.numbering import AnyNumbering
 from labcal.detect.lattice.prediction import Predictor
-from labcal.detect.matrices import eigenvalues
 from labcal.detect.medians import median_of
-from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.outlines.outlines import Outlines, mean_radius
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.quality import QualitySettings
 from labcal.targets.grid import DotGrid
@@ -50,8 +49,7 @@ def flag_dots(
     rough |= misfit > np.where(ring, limits.max_ring_misfit_factor, limits.max_misfit_factor)
     rough |= deviating_shapes(predictor, _fitted(fits, predictor), target, settings)
     burnt_out = _is_burnt_out(fits, limits)
-    minor = np.sqrt(eigenvalues(spots.shape)[:, 0])
-    blurred = spots.blur > limits.max_blur_share * minor
+    blurred = fits.blur > limits.max_blur_share * mean_radius(fits.shape)
     saturated = fits.ok & (burnt_out | (fits.clipped > limits.max_clipped_share))
     out = ~fits.ok | rough | saturated | blurred
     inside = target.holds_each(index)

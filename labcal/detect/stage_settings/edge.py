@@ -111,6 +111,17 @@ class EdgeSettings(StageSettings):
         le=100,
         description="Pixels so near to clutter are left out with it. Larger: leaves out more.",
     )
+    # Blurred dots near each other.
+    near_neighbour_blurs: float = Field(
+        4.2,
+        ge=0,
+        le=100,
+        description="Width of a dot's own surroundings below which the darkness of neighbours is subtracted. "
+        "Larger: also where there is hardly any.",
+    )
+    neighbour_rounds: int = Field(
+        2, ge=0, le=20, description="How often that is done. Larger: slower, better on dense blurred grids."
+    )
     # Priors on what a small dot does not determine.
     prior_shading_share: float = Field(
         0.1,

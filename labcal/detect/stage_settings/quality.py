@@ -14,10 +14,10 @@ class QualitySettings(StageSettings):
 
     # Measured dots.
     max_blur_share: float = Field(
-        0.6,
+        0.5,
         gt=0,
         le=2,
-        description="Blur over minor semi-axis above which a dot is blurred. Larger: fewer are.",
+        description="Blur over the dot's mean radius above which it is blurred. Larger: fewer are.",
     )
     max_clipped_share: float = Field(
         0.06,
