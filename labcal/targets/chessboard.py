@@ -12,7 +12,8 @@ from labcal.bounds import MOST_DOTS, Length, Margin
 from labcal.run.names import Name
 from labcal.targets.corner_board import CornerBoard
 
-Corners = Annotated[int, Field(ge=2, le=200)]
+Corners = Annotated[int, Field(ge=3, le=200)]
+"""Inner corners along a side; with two of them no corner has neighbours on all four sides."""
 MarkedSquare = tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]]
 MOST_MARKS = 20
 

@@ -42,12 +42,18 @@ def test_marks_must_number_the_corners_and_lie_among_them() -> None:
     assert board(8, 6, marks=[[3, 3]]).symmetric_indices(np.zeros((1, 2), dtype=np.int64)) == ()
 
 
+@pytest.mark.parametrize(("cols", "rows"), [(2, 5), (9, 2)])
+def test_a_board_that_no_picture_shows_is_refused(cols: int, rows: int) -> None:
+    with pytest.raises(ValidationError, match="greater than or equal to 3"):
+        board(cols, rows)
+
+
 def test_the_print_is_black_where_squares_are_and_scaled_as_it_is() -> None:
-    one = board(3, 2, marks=[[1, 1], [2, 1]], print_scale=(1.01, 0.99))
+    one = board(3, 3, marks=[[1, 1], [2, 1]], print_scale=(1.01, 0.99))
     outlines = chessboard_outlines(one)
     low, high = outlines.vertices.min(axis=0), outlines.vertices.max(axis=0)
     np.testing.assert_allclose(low, [-10.1, -9.9])
-    np.testing.assert_allclose(high, [30.3, 19.8])
+    np.testing.assert_allclose(high, [30.3, 29.7])
     ink = ink_distance(one)
 
     def is_inked(x: float, y: float) -> bool:
