@@ -11,7 +11,7 @@ from labcal.detect.corners.clipped_edges import burnt_words
 from labcal.detect.corners.corner_agreement import without_disagreeing
 from labcal.detect.corners.corners import Corners, measured_corners, spans_a_plane, widened_corners
 from labcal.detect.corners.outer_lines import shown_lines, shows_outer_lines
-from labcal.detect.corners.picture_corners import picture_corners, refused_as_torn
+from labcal.detect.corners.picture_corners import picture_corners, refused_as_torn, square_px
 from labcal.detect.corners.reduced import Reduced, coarser_pictures, reduced_pictures
 from labcal.detect.corners.saddles import Saddles, find_saddles
 from labcal.detect.dots import PictureDots
@@ -27,6 +27,9 @@ from labcal.detect.stage_settings.saddle import SaddleSettings
 from labcal.targets.chessboard import Chessboard
 
 _RIM_UNCLEAR = "An outermost line of the board was seen, but its corners are not clear enough to number it."
+
+_SOFTEST_SQUARES = 0.15
+"""Blur of edges, of a square's side, from which on it is what keeps corners from being measured."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +78,7 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     if not board.marks and not _shows_its_rim(corners.index[ok], board, settings.saddle):
         if _has_hard_edges(corners, settings) and _shows_its_rim(found.corners.index, board, settings.saddle):
             return _torn(grey, picture_corners(corners, grey, None, settings), corners, board, settings)
-        detail = _RIM_UNCLEAR + burnt_words(grey, corners.seen_at, settings)
-        return replace(picture_corners(corners, grey, Refusal.BOARD_IN_PART, settings), detail=detail)
+        return _rim_unclear(grey, picture_corners(corners, grey, None, settings), corners, settings)
     lattice = Lattice({(int(corners.index[k, 0]), int(corners.index[k, 1])): int(k) for k in ok})
     if not is_smooth(lattice, corners.seen_at, settings.grid):
         return picture_corners(corners, grey, Refusal.GRID_INCONSISTENT, settings)
@@ -93,15 +95,37 @@ def _agreeing(
     if not spans_a_plane(index):
         return _torn(grey, dots, corners, board, settings)
     if not board.marks and not _shows_its_rim(index, board, settings.saddle):
-        detail = _RIM_UNCLEAR + burnt_words(grey, corners.seen_at, settings)
-        return replace(dots.refused(Refusal.BOARD_IN_PART), detail=detail)
+        return _rim_unclear(grey, dots, corners, settings)
     return replace(dots, others=board.symmetric_indices(dots.index))
+
+
+def _rim_unclear(
+    grey: GreyPicture, dots: PictureDots, corners: Corners, settings: DetectSettings
+) -> PictureDots:
+    """Return the corners of a board refused since too few of an outermost line are measured."""
+    soft = _too_soft(corners)
+    if soft is not None:
+        return dots.refused(Refusal.BLURRED, soft)
+    return dots.refused(Refusal.BOARD_IN_PART, _RIM_UNCLEAR + burnt_words(grey, corners.seen_at, settings))
+
+
+def _too_soft(corners: Corners) -> str | None:
+    """Return a sentence on blur and squares where edges run into each other; None where they do not."""
+    blurs = [fit.state[4:6].mean() for fit in corners.fits if fit is not None]
+    side = square_px(corners.index, corners.seen_at)
+    blur = float(np.median(blurs)) if blurs else 0.0
+    if blur < _SOFTEST_SQUARES * side:
+        return None
+    return f"Squares are {side:.0f} px wide, and edges are blurred by {blur:.1f} px."
 
 
 def _torn(
     grey: GreyPicture, dots: PictureDots, corners: Corners, board: Chessboard, settings: DetectSettings
 ) -> PictureDots:
     """Return the corners of a board that is seen and numbered, refused because too few are measured."""
+    soft = _too_soft(corners)
+    if soft is not None:
+        return dots.refused(Refusal.BLURRED, soft)
     detail = f"{len(corners.index)} of the board's {board.count} corners were seen, {dots.ok.sum()} measured."
     if _has_hard_edges(corners, settings):
         detail += " The edges have no blur, as in a drawing or a picture made black and white."

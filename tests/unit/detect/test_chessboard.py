@@ -162,6 +162,13 @@ def test_blurred_marks_do_not_move_the_corners_beside_them() -> None:
     assert chi2.sf(squares, mean.size) > 0.005
 
 
+def test_a_whole_board_whose_edges_run_into_each_other_is_blurred() -> None:
+    how = replace(exposure(PLAIN, tilt=0.2, square=22.0), blur_px=4.8)
+    dots = detect_dots(picture(PLAIN, how), PLAIN)
+    assert dots.refusal is Refusal.BLURRED
+    assert "Squares are 22 px wide" in dots.detail
+
+
 def test_corners_beside_blurred_marks_are_measured() -> None:
     """What a mark reaches is a disc, not all that lies deeper in its square than the mark does."""
     board = MARKED.model_copy(update={"mark_share": 0.34})
