@@ -68,8 +68,9 @@ def detect_chessboard(grey: GreyPicture, board: Chessboard, settings: DetectSett
     """
     found = _found(grey, board, settings)
     if found.refusal is not None:
-        refused = picture_corners(Corners.none(), grey, found.refusal, settings)
-        return replace(refused, part=_part(grey, board, found, settings), detail=found.detail)
+        part, soft = _part(grey, board, found, settings)
+        refusal, detail = (found.refusal, found.detail) if soft is None else (Refusal.BLURRED, soft)
+        return replace(picture_corners(Corners.none(), grey, refusal, settings), part=part, detail=detail)
     corners = measured_corners(grey, board, found.corners, settings)
     corners = widened_corners(grey, board, corners, settings.corner)
     ok = np.flatnonzero([fit is not None for fit in corners.fits])
@@ -218,10 +219,13 @@ def _rough_corners(lattice: Lattice, numbering: Numbering, saddles: Saddles, lev
 
 def _part(
     grey: GreyPicture, board: Chessboard, found: _Found, settings: DetectSettings
-) -> PictureDots | None:
-    """Return the measured corners of a part of a board, under all numberings that fit; None without any."""
+) -> tuple[PictureDots | None, str | None]:
+    """Return the measured corners of a part of a board, under all numberings that fit; None without any.
+
+    And a sentence if it is blurred, as of :func:`_too_soft`: more of the board may be in sight then.
+    """
     if not found.numberings:
-        return None
+        return None, None
     first, *others = found.numberings
     known = set(map(tuple, found.corners.index.tolist()))
     corners = measured_corners(grey, board, found.corners, settings)
@@ -231,7 +235,10 @@ def _part(
             [k for k, place in enumerate(corners.index.tolist()) if tuple(place) in known], dtype=np.int64
         )
     )
+    soft = _too_soft(corners)
+    if soft is not None:
+        return None, soft
     dots = picture_corners(corners, grey, None, settings)
     dots = without_disagreeing(dots, dots.index.astype(np.float64))
     nodes = (dots.index - first.shift) @ first.turn
-    return replace(dots, others=tuple(nodes @ one.turn.T + one.shift for one in others))
+    return replace(dots, others=tuple(nodes @ one.turn.T + one.shift for one in others)), None

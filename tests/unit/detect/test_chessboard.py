@@ -162,8 +162,9 @@ def test_blurred_marks_do_not_move_the_corners_beside_them() -> None:
     assert chi2.sf(squares, mean.size) > 0.005
 
 
-def test_a_whole_board_whose_edges_run_into_each_other_is_blurred() -> None:
-    how = replace(exposure(PLAIN, tilt=0.2, square=22.0), blur_px=4.8)
+@pytest.mark.parametrize("blur_px", [4.9, 5.2])
+def test_a_whole_board_whose_edges_run_into_each_other_is_blurred(blur_px: float) -> None:
+    how = replace(exposure(PLAIN, tilt=0.2, square=22.0), blur_px=blur_px)
     dots = detect_dots(picture(PLAIN, how), PLAIN)
     assert dots.refusal is Refusal.BLURRED
     assert "Squares are 22 px wide" in dots.detail
