@@ -156,7 +156,7 @@ def _found(grey: GreyPicture, board: Chessboard, settings: DetectSettings) -> _F
     best = _Found(Corners.none(), Refusal.NO_CHESSBOARD, 0)
     for level in chain(reduced_pictures(grey, settings), coarser_pictures(grey, settings)):
         found = _found_at(level, board, settings)
-        if found.refusal is None:
+        if found.refusal in (None, Refusal.SEVERAL_TARGETS):
             return found
         best = found if found.seen > best.seen else best
     return best
@@ -173,13 +173,14 @@ def _found_at(level: Reduced, board: Chessboard, settings: DetectSettings) -> _F
         if not isinstance(outcome, Refusal)
     ]
     seen = len(lattices[0]) if lattices else 0
-    if len(numbered) != 1:
-        first = outcomes[0] if outcomes else Refusal.NO_CHESSBOARD
+    if len(numbered) > 1:
+        return _Found(Corners.none(), Refusal.SEVERAL_TARGETS, seen)
+    if not numbered:
+        first = next((one for one in outcomes if isinstance(one, Refusal)), Refusal.NO_CHESSBOARD)
         detail = _lines_seen(lattices[0], saddles, level, board, settings.saddle) if lattices else ""
         if first is Refusal.BOARD_IN_PART and not board.marks:
             return replace(_found_part(lattices[0], saddles, level, board, settings), detail=detail)
-        refusal = first if isinstance(first, Refusal) else Refusal.AMBIGUOUS
-        return _Found(Corners.none(), refusal, seen, detail=detail)
+        return _Found(Corners.none(), first, seen, detail=detail)
     lattice, numbering = numbered[0]
     if not is_smooth(lattice, saddles.place, settings.grid):
         return _Found(Corners.none(), Refusal.GRID_INCONSISTENT, seen)

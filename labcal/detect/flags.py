@@ -49,6 +49,8 @@ class Refusal(StrEnum):
     """The rings fit the target at more than one place."""
     AMBIGUOUS = "ambiguous"
     """The dots are all alike, and the grid fits the target at more than one place, or not exactly."""
+    SEVERAL_TARGETS = "several-targets"
+    """A plain grid or a chessboard is seen whole, and more than once."""
     NO_MARKERS = "no-markers"
     """No marker of the target's dictionary is seen."""
     NO_CODED_DOTS = "no-coded-dots"
@@ -113,6 +115,10 @@ _ADVICE = {
         "hidden at its edges and all cameras in the same orientation; check that the target has as many "
         "columns and rows as the print; or show the code of the print beside a part; or use a target with "
         "rings, which need not be seen whole."
+    ),
+    Refusal.SEVERAL_TARGETS: (
+        "The target is in the picture more than once, and nothing tells which one is meant. Show one target "
+        "only, or cover the others."
     ),
     Refusal.NO_MARKERS: (
         "No marker of the board was found. Check that the board is in the picture, sharp and not mirrored, "

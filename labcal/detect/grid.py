@@ -51,7 +51,8 @@ def find_grid(
     settings : GridSettings
     """
     best = _find_through(NONE, outlines, target, size, settings)
-    if len(outlines.centre) < settings.min_dots or _is_complete(best, outlines, settings):
+    few = len(outlines.centre) < settings.min_dots
+    if few or best is Refusal.SEVERAL_TARGETS or _is_complete(best, outlines, settings):
         return best
     for lens in fisheyes(size, settings.fisheye_fields_deg):
         other = _find_through(lens, outlines, target, size, settings)

@@ -35,6 +35,8 @@ def numbering_refusal(outcomes: Sequence[AnyNumbering | Refusal], target: DotGri
     refusals = {outcome for outcome in outcomes if isinstance(outcome, Refusal)}
     named = sum(not isinstance(outcome, Refusal) for outcome in outcomes)
     if target.rings is None:
+        if named > 1:
+            return Refusal.SEVERAL_TARGETS
         return None if named == 1 else Refusal.AMBIGUOUS
     if named > 1 or Refusal.AMBIGUOUS_RINGS in refusals:
         return Refusal.AMBIGUOUS_RINGS

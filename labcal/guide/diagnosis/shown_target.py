@@ -13,6 +13,7 @@ OF_ANOTHER = {
     Refusal.NO_RINGS,
     Refusal.AMBIGUOUS_RINGS,
     Refusal.AMBIGUOUS,
+    Refusal.SEVERAL_TARGETS,
     Refusal.NO_MARKERS,
     Refusal.OTHER_BOARD,
     Refusal.OTHER_IDS,
