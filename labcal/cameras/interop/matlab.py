@@ -87,7 +87,7 @@ def read_matlab(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
         record = _camera(alone[0], np.eye(4), given, path)
         return ReadRig(rig_of([path.stem], [record]))
     T_second_first, notes = _pose(pairs[0], path)
-    unit, scale, scaled = stated_unit(pairs[0], path)
+    unit, scale, scaled = stated_unit(pairs[0], given.unit, path)
     T_second_first[:3, 3] *= scale
     notes += scaled
     records = []

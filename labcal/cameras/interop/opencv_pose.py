@@ -27,10 +27,10 @@ class PoseNames:
     translation: tuple[str, ...]
 
 
-_SHIFT = ("T", "translation_vector", "translation_matrix", "translation", "Trans", "stereo_T")
-OF_A_PAIR = PoseNames(ROTATION, ("rotation_vector", "om"), _SHIFT)
+TRANSLATION = ("T", "translation_vector", "translation_matrix", "translation", "Trans", "stereo_T")
+OF_A_PAIR = PoseNames(ROTATION, ("rotation_vector", "om"), TRANSLATION)
 """The pose of the second camera; ``rvec`` and ``tvec`` beside a pair are those of a board."""
-OF_A_CAMERA = PoseNames(ROTATION, ("rvec", "rotation_vector", "om"), (*_SHIFT, "tvec"))
+OF_A_CAMERA = PoseNames(ROTATION, ("rvec", "rotation_vector", "om"), (*TRANSLATION, "tvec"))
 
 
 def is_posed(storage: Storage, names: PoseNames) -> bool:
