@@ -5,7 +5,7 @@ import re
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import ReadOptions
 from labcal.cameras.interop.lens_parameters import camera_record, intrinsics_of
-from labcal.cameras.interop.numbers_text import picture_size
+from labcal.cameras.interop.numbers_text import picture_size, same_sides
 from labcal.cameras.interop.opencv_lens import lens_of
 from labcal.cameras.interop.opencv_names import (
     DIST,
@@ -120,12 +120,12 @@ def _size(storage: Storage, side: str, given: ReadOptions) -> tuple[int, int]:
             f"{' and '.join(f'{width}x{height}' for width, height in sorted(sizes))}. Leave one in it."
         )
     (size,) = sizes
-    if given.size not in (None, size):
+    if given.size is not None and not same_sides(given.size, size):
         raise InputError(
             f"{storage.path} states a picture size of {size[0]}x{size[1]}, which `size` contradicts. Leave "
             "that out."
         )
-    return size
+    return given.size or size
 
 
 def _stated_sizes(storage: Storage, side: str) -> list[object]:

@@ -119,7 +119,7 @@ def test_world_units_that_are_none(tmp_path: Path) -> None:
     camera = struct(K=K, WorldUnits="squares")
     pair = {"CameraParameters1": camera, "CameraParameters2": camera, "RotationOfCamera2": R.T}
     savemat(tmp_path / "rig.mat", {"s": {**pair, "TranslationOfCamera2": T}})
-    with pytest.raises(InputError, match="should be one unit of length, mm, cm, m, .*but is 'squares'"):
+    with pytest.raises(InputError, match=r"should be one unit of length, mm, cm, m, .*but is 'squares'"):
         read(tmp_path / "rig.mat")
 
 
