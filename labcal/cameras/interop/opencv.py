@@ -34,7 +34,7 @@ from labcal.cameras.interop.numpy_archive import is_archive
 from labcal.cameras.interop.opencv_camera import COUNTS, read_camera, sides_of
 from labcal.cameras.interop.opencv_keys import ALONE, with_given_keys, with_other_half
 from labcal.cameras.interop.opencv_names import DIST, MATRIX, SIDES, named_so, side_keys
-from labcal.cameras.interop.opencv_pair import name_of, read_pair, read_placed
+from labcal.cameras.interop.opencv_pair import name_of, read_pair, read_placed, require_whole
 from labcal.cameras.interop.opencv_pose import OF_A_CAMERA, is_posed, read_pose, require_no_half
 from labcal.cameras.interop.opencv_storage import Content, Storage, read_storage, storage_text
 from labcal.cameras.interop.opencv_unit import in_stated_unit
@@ -123,6 +123,7 @@ def _read(stores: Sequence[Storage], given: ReadOptions, *, alone: bool) -> Read
                 "both."
             )
         if not alone:
+            require_whole(storage)
             require_no_half(storage)
         T_cam_world, mended = read_pose(storage, OF_A_CAMERA) if posed else (np.eye(4), ())
         names.append(name_of(storage))

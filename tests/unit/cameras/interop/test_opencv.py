@@ -167,3 +167,78 @@ def test_squares_that_are_too_small_for_mm_are_asked_about(tmp_path: Path) -> No
         require_pair(read(storage(path, **PAIR, R=R, T=T, square_size=square)))
     camera = {"camera_matrix": K1, "distortion_coefficients": D1, **SIZE, "square_size": 0.1}
     assert read(storage(path, **camera)).rig.cameras["a"].size == (1280, 720)  # it has no length
+
+
+def three_files(folder: Path, keys: tuple[str, str, str, str], names: tuple[str, str]) -> list[Path]:
+    """A file a camera, and one of R and T."""
+    values = zip(names, (keys[:2], keys[2:]), ((K1, D1), (K2, D2)), strict=True)
+    files = [
+        storage(folder / name, **SIZE, **dict(zip(pair, one, strict=True))) for name, pair, one in values
+    ]
+    return [*files, storage(folder / "stereo.yml", R=R, T=T, E=np.eye(3))]
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [("M1", "D1", "M2", "D2"), ("K_left", "D_left", "K_right", "D_right"), ("M0", "D0", "M1", "D1"),
+     ("cameraMatrixL", "distCoeffsL", "cameraMatrixR", "distCoeffsR")],
+)  # fmt: skip
+def test_a_pair_in_three_files_with_the_keys_of_a_pair(
+    keys: tuple[str, str, str, str], tmp_path: Path
+) -> None:
+    # The second camera's file comes first by its name; the keys tell which one is the first camera.
+    files = three_files(tmp_path, keys, ("z.yml", "a.yml"))
+    for given in (files, files[::-1], [tmp_path]):
+        found = read(*given)
+        require_pair(found)
+        assert list(found.rig.cameras) == ["z", "a"]
+        assert found.notes == (
+            "R and T of stereo.yml are taken to map coordinates of z.yml to those of a.yml.",
+        )
+
+
+def test_keys_that_do_not_tell_the_first_camera_leave_it_to_the_order(tmp_path: Path) -> None:
+    files = three_files(tmp_path, ("M1", "D1", "M1", "D1"), ("a.yml", "b.yml"))
+    require_pair(read(*files))
+    (tmp_path / "one").mkdir()
+    require_pair(read(*three_files(tmp_path / "one", ("K", "D", "K_right", "D_right"), ("a.yml", "b.yml"))))
+
+
+def test_a_part_of_a_pair_is_told_as_that(tmp_path: Path) -> None:
+    path = storage(tmp_path / "leftonly.yml", camera_matrix_left=K1, dist_left=D1, **SIZE)
+    with pytest.raises(
+        InputError, match=r"holds one camera of a pair, camera_matrix_left, and not the other"
+    ):
+        read(path)
+    for given in (path, path.rename(tmp_path / "second.yml")):
+        with pytest.raises(
+            InputError, match=r"`key='camera_matrix=camera_matrix_left'`, or name the keys of"
+        ):
+            read(storage(given, camera_matrix_left=K1, dist_left=D1, **SIZE))
+    (record,) = read(path, key={"camera_matrix": "camera_matrix_left"}).rig.cameras.values()
+    np.testing.assert_allclose(record.dist, D1)
+    (alone := tmp_path / "alone").mkdir()
+    with pytest.raises(
+        InputError, match=r"holds R and T, but no camera\. Give it together with the files of"
+    ):
+        read(storage(alone / "extr.yml", R=R, T=T))
+    cameras = storage(tmp_path / "cameras.yml", **PAIR)
+    pose = storage(alone / "extr.yml", R=R, T=T)
+    require_pair(read(cameras, pose))
+    with pytest.raises(
+        InputError, match=r"two cameras, but is given with leftonly\.yml, which holds no R and T"
+    ):
+        read(cameras, pose, path)
+    with pytest.raises(InputError, match=r"two cameras, but several poses R, T of the second one are given"):
+        read(cameras, pose, storage(tmp_path / "second.yml", R=R, T=2.0 * T))
+
+
+def test_files_beside_one_do_not_make_it_fail(tmp_path: Path) -> None:
+    third = {"M3": K1, "D3": D2, "R12": R, "T12": T, "R13": R, "T13": 2.0 * T}
+    storage(tmp_path / "three.yml", **PAIR, **third)
+    cameras = storage(tmp_path / "cameras.yml", **PAIR)
+    with pytest.raises(InputError, match=r"cameras\.yml holds two cameras, but no pose"):
+        read(cameras)
+    pose = storage(tmp_path / "extr.yml", R=R, T=T)
+    for given in (cameras, pose):
+        require_pair(read(given))
