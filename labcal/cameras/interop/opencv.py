@@ -34,8 +34,15 @@ from labcal.cameras.interop.numpy_archive import is_archive
 from labcal.cameras.interop.opencv_camera import COUNTS, read_camera, sides_of
 from labcal.cameras.interop.opencv_keys import ALONE, with_given_keys, with_other_half
 from labcal.cameras.interop.opencv_names import DIST, MATRIX, SIDES, named_so, side_keys
+from labcal.cameras.interop.opencv_network import is_of_network, read_network
 from labcal.cameras.interop.opencv_pair import name_of, read_pair, read_placed, require_whole
-from labcal.cameras.interop.opencv_pose import OF_A_CAMERA, is_posed, read_pose, require_no_half
+from labcal.cameras.interop.opencv_pose import (
+    OF_A_CAMERA,
+    is_pose_named,
+    is_posed,
+    read_pose,
+    require_no_half,
+)
 from labcal.cameras.interop.opencv_storage import Content, Storage, read_storage, storage_text
 from labcal.cameras.interop.opencv_unit import in_stated_unit
 from labcal.cameras.interop.placement import poses_from_first, rig_of
@@ -98,6 +105,8 @@ def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
     """
     stores = with_given_keys([read_storage(source) for source in sources], given.key)
     alone = given.key is not None and ALONE in given.key
+    if not given.key and len(stores) == 1 and is_of_network(stores[0]):
+        return in_stated_unit(read_network(stores[0], given), stores, given.unit)
     stores, notes = (stores, ()) if alone else with_other_half(stores)
     read = in_stated_unit(_read(stores, given, alone=alone), stores, given.unit)
     return replace(read, notes=(*notes, *read.notes))
@@ -116,11 +125,11 @@ def _read(stores: Sequence[Storage], given: ReadOptions, *, alone: bool) -> Read
     notes: tuple[str, ...] = ()
     for storage in stores:
         # R and T of a pair place the second camera, not one that a user picks out of it.
-        posed = is_posed(storage, OF_A_CAMERA) and (not alone or {"R", "T"} <= storage.mapped)
+        posed = is_posed(storage, OF_A_CAMERA) and (not alone or is_pose_named(storage))
         if storage.mapped & {"R", "T"} and not posed:
             raise InputError(
                 f"`key` names R or T, but {storage.path} has not both, which place a camera together. Name "
-                "both."
+                "both, or one matrix of both, [R T] in 3 or 4 rows, as R."
             )
         if not alone:
             require_whole(storage)

@@ -89,8 +89,8 @@ def read_pair(storage: Storage, others: Sequence[Storage], given: ReadOptions) -
             )
         raise InputError(
             f"{storage.path} holds two cameras, but {what}. Give it together with the one file that has it: "
-            "labcal convert intrinsics.yml extrinsics.yml rig.json. Or name its keys, `key='R=KEY,T=KEY'`: "
-            f"there are {storage.listed}."
+            "labcal convert intrinsics.yml extrinsics.yml rig.json. Or name its keys, `key='R=KEY,T=KEY'`, "
+            f"or `key='R=KEY'` of a matrix [R T]: there are {storage.listed}."
         )
     T_right_left, notes = read_pose(placing[0], OF_A_PAIR)
     sides = sides_of(storage) or SIDES[0]
