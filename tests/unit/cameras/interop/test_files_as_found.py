@@ -133,8 +133,7 @@ def test_focal_lengths_of_matlab_in_place_of_a_matrix(tmp_path: Path) -> None:
         read(tmp_path / "a.mat")
 
 
-def test_caldat_with_decimal_commas_and_in_metres(tmp_path: Path) -> None:
-    angles = Rotation.from_matrix(R).as_euler("xyz", degrees=True)
+def caldat(angles: np.ndarray, unit: str) -> list[str]:
     lines = []
     for number in (0, 1):
         labels = {"Fx [pixels]": K[0, 0], "Fy [pixels]": K[1, 1], "Fs [pixels]": 0.0, "Kappa 1": D[0],
@@ -142,8 +141,42 @@ def test_caldat_with_decimal_commas_and_in_metres(tmp_path: Path) -> None:
                   "Cy [pixels]": K[1, 2]}  # fmt: skip
         lines += [f"Cam{number}_{label};{float(value)!r}" for label, value in labels.items()]
     lines += [f"{label} [mm];{value!r}" for label, value in zip(("Tx", "Ty", "Tz"), T.tolist(), strict=True)]
-    lines += [f"{label} [deg];{value!r}"
-              for label, value in zip(("Theta", "Phi", "Psi"), angles.tolist(), strict=True)]  # fmt: skip
+    turns = zip(("Theta", "Phi", "Psi"), angles.tolist(), strict=True)
+    return lines + [f"{label}{unit};{value!r}" for label, value in turns]
+
+
+@pytest.mark.parametrize("unit", [" [rad]", "[Radians]", " [deg]", "[\u00b0]", ""])
+def test_angles_of_caldat_are_in_the_unit_of_their_labels(unit: str, tmp_path: Path) -> None:
+    angles = Rotation.from_matrix(R).as_euler("xyz", degrees="ad" not in unit)
+    path = tmp_path / "a.caldat"
+    path.write_text("\n".join(caldat(angles, unit)))
+    found = read(path, size=(1600, 1200))
+    np.testing.assert_allclose(np.array(list(found.rig.cameras.values())[1].T_cam_world)[:3], np.c_[R, T])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (
+            "Phi [rad]",
+            "Phi [deg]",
+            r"should be in \[deg\] or in \[rad\], all three, but are in \[deg\] and \[rad\]",
+        ),
+        ("Phi [rad]", "Phi", r"all three, but are in none and \[rad\]"),
+        ("[rad]", "[gon]", r"but are in \[gon\]\. Convert"),
+        ("Cam1_Fx [pixels]", "Cam1_Fx [mm]", r"'Cam1_Fx \[mm\]' should be in \[pixels\]"),
+        ("Cam0_Kappa 1", "Cam0_Kappa 1 [1/mm^2]", "should have no unit"),
+    ],
+)
+def test_units_that_no_caldat_has(old: str, new: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.caldat"
+    path.write_text("\n".join(caldat(np.zeros(3), " [rad]")).replace(old, new))
+    with pytest.raises(InputError, match=words):
+        read(path, size=(1600, 1200))
+
+
+def test_caldat_with_decimal_commas_and_in_metres(tmp_path: Path) -> None:
+    lines = caldat(Rotation.from_matrix(R).as_euler("xyz", degrees=True), " [deg]")
     path = tmp_path / "a.caldat"
     path.write_text("\n".join(lines).replace(".", ","))
     found = read(path, size=(1600, 1200))
