@@ -22,7 +22,7 @@ class _Loader(PlainLoader):
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:  # noqa: FBT001, FBT002 -- PyYAML's own signature
         """Return a mapping; without a blank behind its colon a key is parted from its value here."""
-        if node.flow_style:
+        if isinstance(node, yaml.MappingNode) and node.flow_style:  # a damaged matrix may be a scalar
             node.value = [self._parted(key, value) for key, value in node.value]
         return super().construct_mapping(node, deep=deep)
 

@@ -98,6 +98,16 @@ def test_maps_in_one_line(tmp_path: Path) -> None:
         assert next(iter(read(path).rig.cameras.values())).lens == lens
 
 
+def test_a_matrix_without_its_numbers_is_refused(tmp_path: Path) -> None:
+    path = storage(tmp_path / "a.yml", camera_matrix=K1, **SIZE)
+    for damaged in ("", " !!opencv-matrix", " !!binary { a:1 }", " { a:1, a:2 }"):
+        whole = path.read_text()
+        path.write_text(f"{whole}distortion_coefficients:{damaged}\n")
+        with pytest.raises(InputError, match=r"a\.yml"):
+            read(path)
+        path.write_text(whole)
+
+
 @pytest.mark.parametrize("rows", [3, 4])
 @pytest.mark.parametrize("form", ["yml", "json", "npz"])
 def test_a_pose_in_one_matrix(form: str, rows: int, tmp_path: Path) -> None:
