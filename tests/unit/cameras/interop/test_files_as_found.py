@@ -52,13 +52,25 @@ def camera_info(count: int) -> str:
 def test_an_old_camera_info_does_not_state_its_model(tmp_path: Path) -> None:
     path = tmp_path / "left.yaml"
     path.write_text(camera_info(5))
-    chosen, found = read_rig_files([path], None)
-    assert chosen.name == "ros"
-    (record,) = found.rig.cameras.values()
-    assert (record.lens, list(record.dist)) == ("brown5", D)
-    path.write_text(camera_info(4))  # Brown's or the fisheye's
-    with pytest.raises(InputError, match="the distortion model None has no counterpart"):
+    assert read_rig_files([path], None)[0].name == "ros"
+    for model in ("", "distortion_model: ''\n", "distortion_model:\n"):
+        path.write_text(camera_info(5) + model)
+        assert list(next(iter(read(path).rig.cameras.values())).dist) == D
+        path.write_text(camera_info(4) + model)  # Brown's or the fisheye's
+        with pytest.raises(
+            InputError, match=r"plumb_bob .* or equidistant .*: `lens='brown5'` or `lens='fish"
+        ):
+            read(path)
+        for lens in ("brown5", "fisheye-kb4"):
+            (record,) = read(path, lens=lens).rig.cameras.values()
+            assert (record.lens, list(record.dist)) == (lens, [*D[:4], 0.0])
+    path.write_text(camera_info(4) + "distortion_model: none\n")
+    with pytest.raises(InputError, match="states the distortion model 'none', but has coefficients that are"):
         read(path)
+    for count, model in ((5, ""), (4, "distortion_model: plumb_bob\n")):
+        path.write_text(camera_info(count) + model)
+        with pytest.raises(InputError, match="`lens` does not apply to files of the format 'ros'"):
+            read(path, lens="fisheye-kb4")
 
 
 def test_warnings_of_topic_echo_are_skipped(tmp_path: Path) -> None:
