@@ -1,11 +1,13 @@
 """Files of OpenCV's own programs and of all that cv::FileStorage writes: forms, keys and poses."""
 
 import json
+import re
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from scipy.io import loadmat, savemat
 
 from labcal.cameras.interop.exchange import ReadOptions, ReadRig
 from labcal.cameras.interop.rig_files import read_rig_files
@@ -190,3 +192,31 @@ def test_cameras_of_the_calibration_of_many(omnidirectional: bool, tmp_path: Pat
     storage(path, **{**values, "nCameras": 2})
     with pytest.raises(InputError, match=r"states 2 cameras \(nCameras\)"):
         read(path, **given)
+
+
+@pytest.mark.parametrize("keys", [("M1", "D1", "M2", "D2"), ("mtxL", "distL", "mtxR", "distR")])
+def test_matrices_in_a_mat_file_are_sent_to_numpy(keys: tuple[str, ...], tmp_path: Path) -> None:
+    values = dict(zip(keys, (K1, D1, K2, D2), strict=True)) | {"R": R, "T": T, "imageSize": [1280.0, 720.0]}
+    for content, inside, simple in (
+        (values, "", False),
+        ({"s": values}, ", simplify_cells=True)['s']", True),
+    ):
+        savemat(tmp_path / "rig.mat", content)
+        words = re.escape(f"numpy.savez('rig.npz', **scipy.io.loadmat('rig.mat'{inside or ')'})")
+        with pytest.raises(InputError, match=words):
+            read(tmp_path / "rig.mat")
+        found = loadmat(tmp_path / "rig.mat", simplify_cells=simple)
+        np.savez(tmp_path / "rig.npz", **(found["s"] if simple else found))
+        require_pair(read(tmp_path / "rig.npz"))
+
+
+def test_a_fisheye_of_matlab_is_told_as_that(tmp_path: Path) -> None:
+    lens = {"MappingCoefficients": [800.0, -1e-4, 1e-7, -1e-10], "ImageSize": [720.0, 1280.0],
+            "DistortionCenter": [640.0, 360.0], "StretchMatrix": np.eye(2)}  # fmt: skip
+    for content in ({"p": lens}, {"cameraParams": {"Intrinsics": lens}}, lens):
+        savemat(tmp_path / "a.mat", content)
+        with pytest.raises(InputError, match=r"a fisheye of MATLAB .* no other way of saving it helps"):
+            read(tmp_path / "a.mat")
+    savemat(tmp_path / "a.mat", {"a": np.eye(4)})
+    with pytest.raises(InputError, match="toStruct"):
+        read(tmp_path / "a.mat")
