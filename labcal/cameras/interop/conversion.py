@@ -49,7 +49,7 @@ class ConvertSettings:
     unit: str | None = None
     """Of lengths in the files that are read, ``mm`` or ``m``."""
     lens: str | None = None
-    """Of OpenCV's files with four coefficients that do not state it: ``brown5`` or ``fisheye-kb4``."""
+    """Of files with four coefficients of OpenCV that do not state it: ``brown5`` or ``fisheye-kb4``."""
     key: Mapping[str, str] | Sequence[str] | str | None = None
     """Of OpenCV's files: their keys by the usual ones, ``camera_matrix=cameraMatrixL``."""
     columns: str | None = None

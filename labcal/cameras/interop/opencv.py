@@ -3,7 +3,8 @@
 One camera: ``camera_matrix``, ``distortion_coefficients``, ``image_width``, ``image_height``, and
 ``fisheye_model: 1`` for cv2.fisheye; besides them ``R`` and ``T``, the pose as solvePnP gives it (world to
 camera). Two cameras: ``M1 D1 M2 D2 R T`` as stereoCalibrate returns them (first camera to second).
-Millimetres. What follows from these (E, F, and R1 R2 P1 P2 Q of rectification) is neither written nor read.
+Millimetres, where a file states no unit. What follows from these (E, F, and R1 R2 P1 P2 Q of rectification)
+is neither written nor read.
 """
 
 import re
