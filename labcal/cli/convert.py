@@ -95,7 +95,7 @@ def add_parser(commands: CommandGroup) -> None:
         type=picture_size,
         metavar="WxH",
         help="of the pictures: for corners.vnl where they are not at hand, for files of cameras that do not "
-        "state it",
+        "state it, or exchange its sides",
     )
     parser.add_argument(
         "--unit",
@@ -105,7 +105,7 @@ def add_parser(commands: CommandGroup) -> None:
     parser.add_argument(
         "--lens",
         metavar="MODEL",
-        help="of OpenCV's files with four coefficients that do not state it: brown5 or fisheye-kb4",
+        help="of files with four coefficients of OpenCV that do not state it: brown5 or fisheye-kb4",
     )
     parser.add_argument(
         "--key",

@@ -25,6 +25,11 @@ def near_picture(size: Int64[np.ndarray, "n 2"], position: Float64[np.ndarray, "
     return np.asarray(((-margin <= position) & (position <= size + margin)).all(axis=1))
 
 
+def in_picture(size: Int64[np.ndarray, "n 2"], position: Float64[np.ndarray, "n 2"]) -> Mask:
+    """Return a mask of positions on the pixels of their pictures, px; the first one spans -0.5 to 0.5."""
+    return np.asarray((np.abs(position - (size - 1.0) / 2.0) <= size / 2.0).all(axis=1))
+
+
 def covaries_soundly(size: Int64[np.ndarray, "n 2"], covariance: Float64[np.ndarray, "n 3"]) -> Mask:
     """Return a mask of covariances that are possible for a position in a picture, or not stated (NaN).
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from labcal.arguments import any_number, one_text, set_checked, texts, whole_number, wrong_type
 from labcal.bounds import LONGEST_SIDE_PX
-from labcal.cameras.blind_pixels import blind_pixels
 from labcal.cameras.interop.exchange import ReadOptions, Unit
 from labcal.cameras.interop.registry import format_by_name, format_to_write
+from labcal.cameras.interop.remarks import remarks_on
 from labcal.cameras.interop.rig_files import (
     baseline_mm,
     chosen_cameras,
@@ -16,7 +16,6 @@ from labcal.cameras.interop.rig_files import (
     rig_outputs,
     write_rig_files,
 )
-from labcal.cameras.principal_point import principal_point_note
 from labcal.cameras.rig import contradiction_note
 from labcal.errors import InputError
 from labcal.paths import AnyPath, as_path, as_text
@@ -50,7 +49,7 @@ class ConvertSettings:
     unit: str | None = None
     """Of lengths in the files that are read, ``mm`` or ``m``."""
     lens: str | None = None
-    """Of OpenCV's files with four coefficients that do not state it: ``brown5`` or ``fisheye-kb4``."""
+    """Of files with four coefficients of OpenCV that do not state it: ``brown5`` or ``fisheye-kb4``."""
     key: Mapping[str, str] | Sequence[str] | str | None = None
     """Of OpenCV's files: their keys by the usual ones, ``camera_matrix=cameraMatrixL``."""
     columns: str | None = None
@@ -176,10 +175,7 @@ def convert_cameras(
     if contradiction is not None:
         notes.append(contradiction)
     cameras = {name: rig.camera(name) for name in rig.cameras}
-    remarks = [
-        note(name, one) for name, one in cameras.items() for note in (principal_point_note, blind_pixels)
-    ]
-    notes += [note for note in remarks if note is not None]
+    notes += remarks_on(cameras, source)
     return Conversion(
         source=source.name,
         wanted=wanted.name,

@@ -25,7 +25,7 @@ from labcal.cameras.interop.exchange import (
     SourceText,
 )
 from labcal.cameras.interop.lens_parameters import camera_record, held_coefficients, perspective_lens
-from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text, picture_size
+from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, known_size, number_text
 from labcal.cameras.interop.placement import rig_of, rounded_pose
 from labcal.cameras.interop.vic3d import PROJECT, read_project
 from labcal.cameras.interop.xml_tree import read_xml_tree
@@ -88,9 +88,7 @@ def read_dice(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN)
     poses = [T for T, _ in found]
     if values.get(_RELATIVE, "false").lower() == "true":
         poses = [poses[0], *(T @ poses[0] for T in poses[1:])]
-    records = [_camera(camera, T, path) for camera, T in zip(cameras, poses, strict=True)]
-    if any(given.size not in (None, record.size) for record in records):
-        raise InputError(f"{path} states another size of the pictures than `size`. Leave that out.")
+    records = [_camera(camera, T, given, path) for camera, T in zip(cameras, poses, strict=True)]
     names = [_values(camera).get("CAMERA_ID") or str(camera.get("name")) for camera in cameras]
     return ReadRig(rig_of(names, records), tuple(note for _, mended in found for note in mended))
 
@@ -208,7 +206,7 @@ def _pose(camera: ET.Element, path: Path) -> tuple[Pose, tuple[str, ...]]:
     return rounded_pose(from_fixed_angles_deg(angles), t, path)
 
 
-def _camera(camera: ET.Element, T_cam_world: Pose, path: Path) -> CameraRecord:
+def _camera(camera: ET.Element, T_cam_world: Pose, given: ReadOptions, path: Path) -> CameraRecord:
     """Return the camera of one list."""
     values = _values(camera)
     skew = finite_number(values.get("FS", "0"), "FS", path)
@@ -228,9 +226,8 @@ def _camera(camera: ET.Element, T_cam_world: Pose, path: Path) -> CameraRecord:
     if model == _NO_LENS:
         coefficients = []
     height, width = finite_numbers(_array(values.get("IMAGE_HEIGHT_WIDTH")), (2,), "IMAGE_HEIGHT_WIDTH", path)
-    return camera_record(
-        numbers, perspective_lens(coefficients), T_cam_world, picture_size([width, height], path), path
-    )
+    size = known_size([width, height], given.size, path)
+    return camera_record(numbers, perspective_lens(coefficients), T_cam_world, size, path)
 
 
 DICE = RigFormat(

@@ -14,7 +14,12 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import NOTHING_GIVEN, ReadOptions, ReadRig, SourceText, Unit
-from labcal.cameras.interop.lens_parameters import camera_record, fisheye_lens, perspective_lens
+from labcal.cameras.interop.lens_parameters import (
+    camera_record,
+    coefficients_of,
+    fisheye_lens,
+    perspective_lens,
+)
 from labcal.cameras.interop.numbers_text import finite_numbers, picture_size
 from labcal.cameras.interop.placement import MM_IN_M, rig_of, rounded_pose
 from labcal.cameras.interop.read_only import read_only_format
@@ -64,9 +69,8 @@ def read_euroc(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVE
                 "have."
             )
         lens, count = _LENSES[model]
-        coefficients = finite_numbers(
-            content.get("distortion_coefficients"), (count,), "distortion_coefficients", path
-        )
+        what = "distortion_coefficients"
+        coefficients = coefficients_of(model, content.get(what), count, what, path)
         numbers = finite_numbers(content.get("intrinsics"), (4,), "intrinsics", path)
         size = picture_size(content.get("resolution"), path)
         records.append(camera_record(numbers, lens(coefficients), T, size, path))

@@ -28,6 +28,7 @@ from labcal.cameras.interop.exchange import (
 )
 from labcal.cameras.interop.lens_parameters import (
     camera_record,
+    coefficients_of,
     fisheye_coefficients,
     fisheye_lens,
     held_coefficients,
@@ -247,7 +248,8 @@ def _camera(camera: dict[str, Any], T_cam_world: Pose, path: Path) -> CameraReco
         )
     _, before, count = ("", 0, _LENSES[distortion][1]) if own is None else own
     numbers = finite_numbers(camera.get("intrinsics"), (before + 4,), "intrinsics", path)
-    coefficients = finite_numbers(camera.get("distortion_coeffs"), (count,), "distortion_coeffs", path)
+    what = "distortion_coeffs"
+    coefficients = coefficients_of(distortion, camera.get(what), count, what, path)
     if own is None:
         lens = _LENSES[distortion][0](coefficients)
     else:

@@ -7,6 +7,7 @@ import numpy as np
 
 from labcal.arrays import Pose
 from labcal.cameras.camera import Camera
+from labcal.cameras.interop.numbers_text import finite_numbers
 from labcal.cameras.lens import FISHEYE as FISHEYE_LENS
 from labcal.cameras.lens import LENGTH, LENSES, lens_by_name
 from labcal.cameras.opencv_model import FISHEYE, PERSPECTIVE, OpenCVModel, to_order
@@ -14,6 +15,8 @@ from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
 
 PINHOLE = "pinhole"
+UNDISTORTED = "none"
+"""The distortion model of a camera without distortion, in files of programs for robots."""
 FISHEYE_COEFFICIENTS = 4
 
 
@@ -47,6 +50,37 @@ def fisheye_lens(coefficients: Sequence[float]) -> tuple[str, tuple[float, ...]]
 def named_lens(lens: str, coefficients: Sequence[float]) -> tuple[str, tuple[float, ...]]:
     """Return a lens by labcal's name for it, and its `dist`, padded with zeros."""
     return lens, (*coefficients, *(0.0,) * LENGTH)[: max(LENGTH, len(coefficients))]
+
+
+def coefficients_of(model: object, values: object, count: int, what: str, source: Path) -> tuple[float, ...]:
+    """Return the coefficients of a distortion model of a file; with the model ``none``, zeros are none.
+
+    Parameters
+    ----------
+    model : object
+        As the file states it.
+    values : object
+        What the file holds for coefficients.
+    count : int
+        How many the model has.
+    what : str
+        Their key, for messages.
+    source : Path
+        The file, for messages.
+
+    Raises
+    ------
+    InputError
+        They are not as many, or no finite numbers; or the model is ``none``, and one is not zero.
+    """
+    if model != UNDISTORTED or not isinstance(values, list):
+        return finite_numbers(values, (count,), what, source)
+    if any(finite_numbers(values, (len(values),), what, source)):
+        raise InputError(
+            f"{source} states the distortion model '{UNDISTORTED}', but {what} are not all 0. State the "
+            "model that they are of, or set them to 0."
+        )
+    return ()
 
 
 def opencv_model(name: str, record: CameraRecord, holder: str) -> OpenCVModel:

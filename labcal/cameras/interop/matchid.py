@@ -39,7 +39,10 @@ _COEFFICIENTS = ("Kappa 1", "Kappa 2", "P1", "P2", "Kappa 3")
 _SHIFT, _TURN = ("Tx", "Ty", "Tz"), ("Theta", "Phi", "Psi")
 _LABEL = re.compile(r"^cam([012])_fx\b.*;", re.MULTILINE | re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d*([eE][-+]?\d+)?", re.ASCII)
-_IN_UNIT = re.compile(r"^\s*T[xyz]\s*\[([^\]]*)\]\s*;", re.MULTILINE | re.IGNORECASE)
+_UNIT = re.compile(r"\[([^\]]*)\]")
+_DEGREES, _RADIANS = {"", "deg", "degree", "degrees", "\u00b0"}, {"rad", "radian", "radians"}
+_PIXELS, _PLAIN = {"", "pixels", "pixel", "px"}, {"", "-", "1"}
+"""Words for the units of Fx, Fy, Fs, Cx and Cy, and of coefficients."""
 _ORIGIN = (
     "MatchID does not publish where its pixels count from: taken for the centre of the first one, as of "
     "OpenCV."
@@ -57,7 +60,8 @@ def read_matchid(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIV
     Raises
     ------
     InputError
-        A label is missing, occurs twice or has no number, there is skew, or no size is given.
+        A label is missing, occurs twice or has no number, a unit is another one than this program writes,
+        there is skew, or no size is given.
     """
     if len(sources) != 1:
         raise InputError("A .caldat holds a pair. Give one of them.")
@@ -67,9 +71,11 @@ def read_matchid(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIV
     if len(numbers) != _PAIR:
         raise InputError(f"{path} is no .caldat: it should hold Cam0_Fx and Cam1_Fx, each with a number.")
     size = known_size(None, given.size, path)
+    units = _units(source)
     t = np.array([_number(values, label, path) for label in _SHIFT])
-    angles = [_number(values, label, path) for label in _TURN]
-    poses = [np.eye(4), pose(from_fixed_angles_deg(angles), t)]
+    angles = np.array([_number(values, label, path) for label in _TURN])
+    angles_deg = np.degrees(angles) if _in_radians(units, path) else angles
+    poses = [np.eye(4), pose(from_fixed_angles_deg(angles_deg.tolist()), t)]
     records = []
     for camera, T in zip(numbers, poses, strict=True):
         one = {name: _number(values, f"Cam{camera}_{name}", path)
@@ -79,7 +85,9 @@ def read_matchid(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIV
         lens = perspective_lens([one[name] for name in _COEFFICIENTS])
         intrinsics = [one[name] for name in ("Fx", "Fy", "Cx", "Cy")]
         records.append(camera_record(intrinsics, lens, T, size, path))
-    return ReadRig(rig_of([f"cam{number}" for number in numbers], records), (_ORIGIN,), _stated_unit(source))
+    return ReadRig(
+        rig_of([f"cam{number}" for number in numbers], records), (_ORIGIN,), _stated_unit(units, path)
+    )
 
 
 def write_matchid(rig: Rig, _suffix: str) -> RigTexts:
@@ -129,7 +137,7 @@ def _values(source: SourceText) -> dict[str, str]:
         if not line.strip() or line.startswith("#"):
             continue
         label, separator, value = line.partition(";")
-        name = re.sub(r"\[[^\]]*\]|\s", "", label).lower()
+        name = _plain(label)
         if not separator or name in values:
             what = "occurs twice" if separator else "should be a label, ';' and a number"
             raise InputError(f"{source.path}: '{line.strip():.60}' {what}.")
@@ -141,11 +149,54 @@ def _values(source: SourceText) -> dict[str, str]:
     return values
 
 
-def _stated_unit(source: SourceText) -> Unit | None:
+def _units(source: SourceText) -> dict[str, str]:
+    """Return the unit in brackets behind each label, in small letters; empty where there is none.
+
+    Raises
+    ------
+    InputError
+        Pixels or coefficients have another one than they can have.
+    """
+    units = {}
+    for line in source.text.splitlines():
+        label = line.partition(";")[0]
+        found = _UNIT.search(label)
+        name = _plain(label)
+        units[name] = word = found[1].strip().lower() if found else ""
+        in_pixels = re.fullmatch(r"cam\d_[fc][xys]", name) is not None
+        if name.startswith("cam") and word not in (_PIXELS if in_pixels else _PLAIN):
+            should = "be in [pixels]" if in_pixels else "have no unit"
+            raise InputError(f"{source.path}: '{label.strip():.60}' should {should}. Convert its number.")
+    return units
+
+
+def _plain(label: str) -> str:
+    """Return a label without its unit, blanks and capital letters."""
+    return re.sub(r"\s", "", _UNIT.sub("", label)).lower()
+
+
+def _in_radians(units: Mapping[str, str], path: Path) -> bool:
+    """Tell whether Theta, Phi and Psi are in radians; they are in degrees where nothing is stated.
+
+    Raises
+    ------
+    InputError
+        They are in neither, or not in one of both all three.
+    """
+    words = {units.get(label.lower(), "") for label in _TURN}
+    if not (words <= _DEGREES or words <= _RADIANS):
+        raise InputError(
+            f"{path}: Theta, Phi and Psi should be in [deg] or in [rad], all three, but are in "
+            f"{' and '.join(f'[{word}]'[:20] if word else 'none' for word in sorted(words))}. Convert them."
+        )
+    return words <= _RADIANS
+
+
+def _stated_unit(units: Mapping[str, str], path: Path) -> Unit | None:
     """Return the unit that the labels of Tx, Ty and Tz state; None for mm, which all of them say."""
-    words = {found[1].strip().lower() for found in _IN_UNIT.finditer(source.text)}
+    words = {units.get(label.lower(), "") for label in _SHIFT} - {""}
     if len(words) > 1 or not words <= {unit.value for unit in Unit}:
-        raise InputError(f"{source.path}: Tx, Ty and Tz should be in mm or in m, all three.")
+        raise InputError(f"{path}: Tx, Ty and Tz should be in mm or in m, all three.")
     return Unit.METRES if words == {Unit.METRES.value} else None
 
 

@@ -33,6 +33,7 @@ from labcal.cameras.interop.lens_parameters import (
     perspective_lens,
 )
 from labcal.cameras.interop.mat_file import HEADER, Unread, Value, mat_bytes, read_mat
+from labcal.cameras.interop.matlab_others import require_held
 from labcal.cameras.interop.matlab_units import stated_unit
 from labcal.cameras.interop.numbers_text import finite_numbers, known_size
 from labcal.cameras.interop.placement import poses_from_first, rig_of, rounded_pose
@@ -77,6 +78,7 @@ def read_matlab(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
     pairs = [one for one in structs if _CAMERAS[0] in one]
     alone = [one for one in structs if "RadialDistortion" in one]
     if len(pairs or alone) != 1:
+        require_held(variables, path)
         kinds = [f"'{name:.40}'" + (f", {one.kind}" if isinstance(one, Unread) else "")
                  for name, one in variables.items()]  # fmt: skip
         raise InputError(
@@ -87,7 +89,7 @@ def read_matlab(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
         record = _camera(alone[0], np.eye(4), given, path)
         return ReadRig(rig_of([path.stem], [record]))
     T_second_first, notes = _pose(pairs[0], path)
-    unit, scale, scaled = stated_unit(pairs[0], path)
+    unit, scale, scaled = stated_unit(pairs[0], given.unit, path)
     T_second_first[:3, 3] *= scale
     notes += scaled
     records = []

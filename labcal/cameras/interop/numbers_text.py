@@ -89,7 +89,7 @@ def known_size(
     stated : object
         What the file states; None for nothing.
     given : (int, int), optional
-        What a person states.
+        What a person states. It may exchange the sides that the file states.
     source : Path
     of : str
         The pictures, for messages.
@@ -104,9 +104,17 @@ def known_size(
             raise InputError(f"{source} does not state how large {of} are. Give it: `size='1280x960'`.")
         return given
     size = picture_size(stated, source)
-    if given not in (None, size):
+    if given is not None and not same_sides(given, size):
         raise InputError(f"{source} states a picture size of {size[0]}x{size[1]}. Leave `size` out.")
-    return size
+    return given or size
+
+
+def same_sides(given: tuple[int, int], stated: tuple[int, int]) -> bool:
+    """Tell whether a size that a person gives has the sides that a file states, in either order.
+
+    Many programs take height and width from the shape of an array, so that a person may exchange them.
+    """
+    return sorted(given) == sorted(stated)
 
 
 def _shown(value: object) -> str:

@@ -34,12 +34,13 @@ def is_archive(text: str) -> bool:
 
 
 def archived_numbers(data: bytes, path: Path) -> dict[str, object]:
-    """Return the arrays of an archive by name: a number, or the list of all numbers row by row.
+    """Return the arrays of an archive by name: a number or a word, or the list of all numbers row by row.
 
     Raises
     ------
     InputError
-        It is damaged, or two arrays have one name. What is no short array of numbers is left out.
+        It is damaged, or two arrays have one name. What is no short array of numbers and no word is left
+        out.
     """
     entries: list[zipfile.ZipInfo] = []
     found: dict[str, object] = {}
@@ -47,7 +48,7 @@ def archived_numbers(data: bytes, path: Path) -> dict[str, object]:
         with zipfile.ZipFile(BytesIO(data)) as archive:
             entries = [one for one in archive.infolist() if one.filename.endswith(_ENTRY)]
             for entry in entries[:_MOST_ENTRIES]:
-                value = _numbers(archive, entry)
+                value = _content(archive, entry)
                 if value is not None:
                     found[entry.filename.removesuffix(_ENTRY)] = value
     except _BROKEN as error:
@@ -58,8 +59,8 @@ def archived_numbers(data: bytes, path: Path) -> dict[str, object]:
     return found
 
 
-def _numbers(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> object:
-    """Return the numbers of one array; None of what is none of a camera."""
+def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> object:
+    """Return the numbers of one array, or its only word; None of what is none of a camera."""
     if entry.file_size > _MOST_BYTES:
         return None
     with archive.open(entry) as file:
@@ -69,8 +70,12 @@ def _numbers(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> object:
         return None
     reader = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
     shape, _, dtype = reader(content)
-    if dtype.kind not in "fiu" or int(np.prod(np.array(shape, dtype=object))) > _MOST_NUMBERS:
+    count = int(np.prod(np.array(shape, dtype=object)))
+    if dtype.kind not in "fiuU" or count > (1 if dtype.kind == "U" else _MOST_NUMBERS):
         return None
     content.seek(0)
-    array = npy.read_array(content, allow_pickle=False).astype(np.float64)
+    array = npy.read_array(content, allow_pickle=False)
+    if array.dtype.kind == "U":
+        return "".join(array.ravel().tolist())
+    array = array.astype(np.float64)
     return float(array) if array.ndim == 0 else array.ravel().tolist()

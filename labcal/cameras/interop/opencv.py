@@ -3,7 +3,8 @@
 One camera: ``camera_matrix``, ``distortion_coefficients``, ``image_width``, ``image_height``, and
 ``fisheye_model: 1`` for cv2.fisheye; besides them ``R`` and ``T``, the pose as solvePnP gives it (world to
 camera). Two cameras: ``M1 D1 M2 D2 R T`` as stereoCalibrate returns them (first camera to second).
-Millimetres. What follows from these (E, F, and R1 R2 P1 P2 Q of rectification) is neither written nor read.
+Millimetres, where a file states no unit. What follows from these (E, F, and R1 R2 P1 P2 Q of rectification)
+is neither written nor read.
 """
 
 import re
@@ -34,14 +35,17 @@ from labcal.cameras.interop.numpy_archive import is_archive
 from labcal.cameras.interop.opencv_camera import COUNTS, read_camera, sides_of
 from labcal.cameras.interop.opencv_keys import ALONE, with_given_keys, with_other_half
 from labcal.cameras.interop.opencv_names import DIST, MATRIX, SIDES, named_so, side_keys
+from labcal.cameras.interop.opencv_network import is_of_network, read_network
+from labcal.cameras.interop.opencv_pair import name_of, read_pair, read_placed, require_whole
 from labcal.cameras.interop.opencv_pose import (
     OF_A_CAMERA,
-    OF_A_PAIR,
+    is_pose_named,
     is_posed,
     read_pose,
     require_no_half,
 )
 from labcal.cameras.interop.opencv_storage import Content, Storage, read_storage, storage_text
+from labcal.cameras.interop.opencv_unit import in_stated_unit
 from labcal.cameras.interop.placement import poses_from_first, rig_of
 from labcal.cameras.lens import LENGTH
 from labcal.cameras.opencv_model import FISHEYE
@@ -102,30 +106,37 @@ def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
     """
     stores = with_given_keys([read_storage(source) for source in sources], given.key)
     alone = given.key is not None and ALONE in given.key
-    notes: tuple[str, ...] = ()
-    if not alone:
-        stores, notes = with_other_half(stores)
+    if not given.key and len(stores) == 1 and is_of_network(stores[0]):
+        return in_stated_unit(read_network(stores[0], given), stores, given.unit)
+    stores, notes = (stores, ()) if alone else with_other_half(stores)
+    read = in_stated_unit(_read(stores, given, alone=alone), stores, given.unit)
+    return replace(read, notes=(*notes, *read.notes))
+
+
+def _read(stores: Sequence[Storage], given: ReadOptions, *, alone: bool) -> ReadRig:
+    """Return what is in files, with lengths as they stand there; of each its camera alone, or a pair."""
     paired = [] if alone else [storage for storage in stores if sides_of(storage) is not None]
     if paired:
         others = [storage for storage in stores if storage is not paired[0]]
-        read = _read_pair(paired[0], others, given)
-        return replace(read, notes=(*notes, *read.notes))
-    placed = None if alone else _read_placed(stores, given)
+        return read_pair(paired[0], others, given)
+    placed = None if alone else read_placed(stores, given)
     if placed is not None:
         return placed
     names, records = [], []
+    notes: tuple[str, ...] = ()
     for storage in stores:
         # R and T of a pair place the second camera, not one that a user picks out of it.
-        posed = is_posed(storage, OF_A_CAMERA) and (not alone or {"R", "T"} <= storage.mapped)
+        posed = is_posed(storage, OF_A_CAMERA) and (not alone or is_pose_named(storage))
         if storage.mapped & {"R", "T"} and not posed:
             raise InputError(
                 f"`key` names R or T, but {storage.path} has not both, which place a camera together. Name "
-                "both."
+                "both, or one matrix of both, [R T] in 3 or 4 rows, as R."
             )
         if not alone:
+            require_whole(storage)
             require_no_half(storage)
         T_cam_world, mended = read_pose(storage, OF_A_CAMERA) if posed else (np.eye(4), ())
-        names.append(_name(storage))
+        names.append(name_of(storage))
         records.append(read_camera(storage, "", 0, T_cam_world, given))
         notes += mended
         if len(stores) > 1 and not posed:
@@ -136,33 +147,6 @@ def read_opencv(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVE
                 "D1 M2 D2 R T)."
             )
     return ReadRig(rig_of(names, records), notes)
-
-
-def _name(storage: Storage) -> str:
-    """Return what a file calls its only camera, or the name of the file."""
-    return storage.text("camera_name") or storage.path.stem
-
-
-def _read_placed(stores: Sequence[Storage], given: ReadOptions) -> ReadRig | None:
-    """Return the pair of two files of one camera each and a third one with R and T; None of other files."""
-    cameras = [
-        storage
-        for storage in stores
-        if storage.first(MATRIX) is not None and not is_posed(storage, OF_A_PAIR)
-    ]
-    placing = [
-        storage for storage in stores if storage.first(MATRIX) is None and is_posed(storage, OF_A_PAIR)
-    ]
-    if len(stores) != _PAIR + 1 or (len(cameras), len(placing)) != (_PAIR, 1):
-        return None
-    T_second_first, notes = read_pose(placing[0], OF_A_PAIR)
-    records = [
-        read_camera(storage, "", 0, T, given)
-        for storage, T in zip(cameras, (np.eye(4), T_second_first), strict=True)
-    ]
-    first, second = (storage.path.name for storage in cameras)
-    note = f"R and T of {placing[0].path.name} are taken to map coordinates of {first} to those of {second}."
-    return ReadRig(rig_of([_name(storage) for storage in cameras], records), (note, *notes))
 
 
 def write_opencv(rig: Rig, suffix: str) -> RigTexts:
@@ -220,26 +204,6 @@ def _write_pair(rig: Rig, suffix: str) -> RigTexts:
         "T": T_right_left[:3, 3:],
     }
     return RigTexts((OutputText("", storage_text(content, suffix)),), notes)
-
-
-def _read_pair(storage: Storage, others: Sequence[Storage], given: ReadOptions) -> ReadRig:
-    """Return the rig of a stereo file; R and T may be in another one, as OpenCV's stereo sample has it."""
-    placing = [one for one in (storage, *others) if is_posed(one, OF_A_PAIR)]
-    if len(placing) != 1 or len(others) > 1 or (others and placing != list(others)):
-        raise InputError(
-            f"{storage.path} holds two cameras, but {'several poses' if placing else 'no pose'} R, T of the "
-            "second one. Give it together with the one file that has it: labcal convert "
-            "intrinsics.yml extrinsics.yml rig.json. Or name its keys, `key='R=KEY,T=KEY'`: there are "
-            f"{storage.listed}."
-        )
-    T_right_left, notes = read_pose(placing[0], OF_A_PAIR)
-    sides = sides_of(storage) or SIDES[0]
-    records = [
-        read_camera(storage, side, number, T, given)
-        for number, (side, T) in enumerate(zip(sides, (np.eye(4), T_right_left), strict=True), start=1)
-    ]
-    names = [storage.text("camera_name1") or "left", storage.text("camera_name2") or "right"]
-    return ReadRig(rig_of(names, records), notes)
 
 
 def _coefficients(name: str, record: CameraRecord) -> np.ndarray:

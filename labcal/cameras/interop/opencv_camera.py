@@ -5,7 +5,7 @@ import re
 from labcal.arrays import Pose
 from labcal.cameras.interop.exchange import ReadOptions
 from labcal.cameras.interop.lens_parameters import camera_record, intrinsics_of
-from labcal.cameras.interop.numbers_text import picture_size
+from labcal.cameras.interop.numbers_text import picture_size, same_sides
 from labcal.cameras.interop.opencv_lens import lens_of
 from labcal.cameras.interop.opencv_names import (
     DIST,
@@ -30,7 +30,7 @@ _USUAL = ((MATRIX[0], DIST[0]), ("M1", "D1"), ("M2", "D2"))
 
 
 def sides_of(storage: Storage) -> tuple[str, str] | None:
-    """Return how a file names the two cameras of a pair; None where it holds none.
+    """Return how a file names the two cameras of a pair; None where it does not hold both.
 
     Raises
     ------
@@ -47,7 +47,35 @@ def sides_of(storage: Storage) -> tuple[str, str] | None:
             f"{storage.path} holds more than two cameras. Name those of a pair: `key='M1=KEY,D1=KEY,M2=KEY,"
             f"D2=KEY,R=KEY,T=KEY'`. Its keys are {storage.listed}."
         )
-    return next(iter(whole.values()), next((sides for sides in SIDES if there[sides][0]), None))
+    return next(iter(whole.values()), None)
+
+
+def half_sides(storage: Storage) -> list[tuple[tuple[str, str], int]]:
+    """Return how a file may name the only camera in it, which is one of a pair, and whether first or second.
+
+    Returns
+    -------
+    list of ((str, str), int)
+        Sides, and 0 or 1 of them: ``M1`` may be the first one of 1 and 2, or the second one of 0 and 1. Empty
+        where there is a camera that is none of a pair, or both, or none.
+    """
+    if storage.first(MATRIX) is not None or storage.mapped & {*_USUAL[0], *_USUAL[1], *_USUAL[2]}:
+        return []
+    there = {sides: _keys_of(storage, sides) for sides in SIDES}
+    if len({key for keys in there.values() for key in keys if key}) != 1:
+        return []
+    return [(sides, number) for sides, keys in there.items() for number in (0, 1) if keys[number]]
+
+
+def holds_camera(storage: Storage) -> bool:
+    """Tell whether a file holds one camera, under keys of a camera alone or of one of a pair."""
+    return storage.first(MATRIX) is not None or bool(half_sides(storage))
+
+
+def half_key(storage: Storage) -> str:
+    """Return the key of the camera matrix of the only camera in a file, which is one of a pair."""
+    sides, number = half_sides(storage)[0]
+    return _keys_of(storage, sides)[number]
 
 
 def _further(storage: Storage, pair: tuple[str, str]) -> bool:
@@ -120,12 +148,12 @@ def _size(storage: Storage, side: str, given: ReadOptions) -> tuple[int, int]:
             f"{' and '.join(f'{width}x{height}' for width, height in sorted(sizes))}. Leave one in it."
         )
     (size,) = sizes
-    if given.size not in (None, size):
+    if given.size is not None and not same_sides(given.size, size):
         raise InputError(
             f"{storage.path} states a picture size of {size[0]}x{size[1]}, which `size` contradicts. Leave "
             "that out."
         )
-    return size
+    return given.size or size
 
 
 def _stated_sizes(storage: Storage, side: str) -> list[object]:

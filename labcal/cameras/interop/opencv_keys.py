@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from labcal.cameras.interop.exchange import SourceText
-from labcal.cameras.interop.opencv_camera import sides_of
+from labcal.cameras.interop.opencv_camera import holds_camera, sides_of
 from labcal.cameras.interop.opencv_names import DIST, MATRIX, SIDES, named_so, side_keys
 from labcal.cameras.interop.opencv_pose import OF_A_PAIR, ROTATION, is_posed
 from labcal.cameras.interop.opencv_storage import Storage, read_storage
@@ -93,11 +93,9 @@ def with_other_half(stores: Sequence[Storage]) -> tuple[list[Storage], tuple[str
         return list(stores), ()
     (given,) = stores
     has_cameras, has_pose = sides_of(given) is not None, is_posed(given, OF_A_PAIR)
-    if has_cameras == has_pose or (has_pose and _has_camera(given)) or _has_strange_matrix(given):
+    if has_cameras == has_pose or (has_pose and holds_camera(given)) or _has_strange_matrix(given):
         return list(stores), ()
-    found = [other for other in _beside(given.path) if (sides_of(other) is not None) == has_pose
-             and is_posed(other, OF_A_PAIR) == has_cameras and not _has_camera(other)
-             and not _has_strange_matrix(other)]  # fmt: skip
+    found = [other for other in _beside(given.path) if _is_half(other, of_cameras=has_pose)]
     if not found:
         return list(stores), ()
     if len(found) > 1:
@@ -109,9 +107,15 @@ def with_other_half(stores: Sequence[Storage]) -> tuple[list[Storage], tuple[str
     return [given, found[0]], (f"{what} are read from {found[0].path}, which lies beside {given.path.name}.",)
 
 
-def _has_camera(storage: Storage) -> bool:
-    """Tell whether a file holds a camera that is none of a pair."""
-    return storage.first(MATRIX) is not None
+def _is_half(storage: Storage, *, of_cameras: bool) -> bool:
+    """Tell whether a file that nobody named holds the cameras of a pair and no pose, or only the pose."""
+    try:
+        has_cameras = sides_of(storage) is not None
+    except InputError:  # of more than two cameras
+        return False
+    if has_cameras != of_cameras or is_posed(storage, OF_A_PAIR) == of_cameras:
+        return False
+    return not holds_camera(storage) and not _has_strange_matrix(storage)
 
 
 def _has_strange_matrix(storage: Storage) -> bool:

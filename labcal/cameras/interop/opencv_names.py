@@ -18,7 +18,7 @@ DIST = (
     "distortion_coefficients", "distortion_coefficient", "dist_coefficients", "distortion_coeffs",
     "distortion_coeff", "dist_coeffs", "dist_coeff", "distortion_coefs", "distortion_coef", "dist_coefs",
     "dist_coef", "distortion_vector", "distortion_parameters", "distortion_params", "dist_params",
-    "distortions", "distortion", "dist", "D",
+    "camera_distortion", "distortions", "distortion", "dist", "D",
 )  # fmt: skip
 XI = ("xi",)
 """Of the unified lens of cv2.omnidir, beside its camera matrix and coefficients."""
@@ -31,6 +31,7 @@ SIZE = (
     "picture_size",
     "resolution",
     "image_resolution",
+    "camera_resolution",
     "size",
     "DIM",
 )

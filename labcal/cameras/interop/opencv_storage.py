@@ -16,6 +16,7 @@ from labcal.cameras.interop.exchange import SourceText
 from labcal.cameras.interop.nested_keys import without_nesting
 from labcal.cameras.interop.numbers_text import finite_number, finite_numbers, number_text
 from labcal.cameras.interop.numpy_archive import archived_numbers, is_archive
+from labcal.cameras.interop.opencv_base64 import marked, with_numbers
 from labcal.cameras.interop.opencv_names import named_so
 from labcal.cameras.interop.xml_tree import read_xml_tree
 from labcal.cameras.interop.yaml_tree import read_yaml_tree
@@ -25,6 +26,8 @@ Content = Mapping[str, int | str | np.ndarray]
 """Content of a file to write, by key."""
 _ROOT, _ITEM = "opencv_storage", "_"
 """The outermost element, and that of an item of a list."""
+_BINARY = "binary"
+"""Type of an element whose text is base64."""
 _SIDES = ("rows", "cols")
 _PYTHON = "!!python/"
 _BETWEEN = re.compile(r"^(?:---|\.\.\.)[ \t\r]*$", re.MULTILINE)
@@ -67,6 +70,14 @@ class Storage:
         value = self.content.get(key)
         data = _in_one_list(value.get("data") if isinstance(value, dict) else value)
         return data if isinstance(data, list) else []
+
+    def row_count(self, key: str) -> int | None:
+        """Return how many rows a matrix has; None where its numbers stand in one list without a shape."""
+        value = self.content.get(key)
+        if isinstance(value, dict):
+            return int(str(value["rows"])) if str(value.get("rows")).isdecimal() else None
+        nested = isinstance(value, list) and value and isinstance(value[0], list)
+        return len(value) if nested and isinstance(value, list) else None
 
     def matrix(self, keys: Sequence[str], counts: Sequence[int]) -> tuple[float, ...]:
         """Return the numbers of a matrix, row by row.
@@ -140,7 +151,7 @@ def read_storage(source: SourceText) -> Storage:
             raise InputError(
                 f"{source.path}: the outermost element should be {_ROOT}, but is {root.tag:.40}."
             )
-        return Storage(source.path, without_nesting(_mapping(root, source.path)))
+        return _storage(_mapping(root, source.path), source.path)
     if _PYTHON in source.text:
         raise InputError(
             f"{source.path} holds objects of Python, as yaml.dump writes NumPy's arrays, which are not read. "
@@ -148,7 +159,12 @@ def read_storage(source: SourceText) -> Storage:
         )
     is_json = source.text.lstrip().startswith("{")
     text = source.text.replace("\t", " ") if is_json else source.text  # YAML takes no tabs
-    return Storage(source.path, without_nesting(_documents(text, source.path)))
+    return _storage(_documents(text, source.path), source.path)
+
+
+def _storage(content: Mapping[str, object], path: Path) -> Storage:
+    """Return a file by its content, with the keys within keys and what stands in base64."""
+    return Storage(path, with_numbers(without_nesting(content), path))
 
 
 def _documents(text: str, path: Path) -> dict[str, object]:
@@ -189,7 +205,14 @@ def _value(element: Element, path: Path) -> object:
     if len(element) and element.find("data") is None and element.get("type_id") is None:
         return _mapping(element, path)
     if len(element):
-        return {child.tag: (child.text or "").split() for child in element}
+        return {
+            child.tag: marked(child.text or "")
+            if child.get("type_id") == _BINARY
+            else (child.text or "").split()
+            for child in element
+        }
+    if element.get("type_id") == _BINARY:
+        return marked(element.text or "")
     words = (element.text or "").split()
     return words if len(words) > 1 else " ".join(words).strip('"')
 

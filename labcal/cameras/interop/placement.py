@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -75,3 +76,16 @@ def clean_names(wanted: Iterable[str]) -> list[str]:
 def rig_of(names: Sequence[str], records: Sequence[CameraRecord]) -> Rig:
     """Return the rig of cameras with these names, in their order."""
     return Rig(cameras=dict(zip(clean_names(names), records, strict=True)))
+
+
+def scaled_rig(rig: Rig, scale: float) -> Rig:
+    """Return a rig whose lengths are multiplied by `scale`."""
+    if scale == 1.0:
+        return rig
+    records = {}
+    for name, record in rig.cameras.items():
+        camera = record.camera()
+        T = camera.T_cam_world.copy()
+        T[:3, 3] *= scale
+        records[name] = CameraRecord.of(replace(camera, T_cam_world=T))
+    return Rig(cameras=records)

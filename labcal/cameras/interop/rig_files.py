@@ -17,10 +17,10 @@ from labcal.cameras.interop.exchange import (
     Unit,
 )
 from labcal.cameras.interop.given_files import given_files, one_format
+from labcal.cameras.interop.placement import scaled_rig
 from labcal.cameras.interop.registry import READ, format_to_read, recognised_format
 from labcal.cameras.interop.source_file import read_source
 from labcal.cameras.interop.strange_files import words_on_strange
-from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
 from labcal.cameras.rig_file import checked_rig
 from labcal.errors import InputError
@@ -90,7 +90,7 @@ def read_rig_files(
     _require_options(chosen, given)
     read = chosen.read(sources, given)
     unit = _unit_of(read, chosen, given)
-    rig = _in_unit(read.rig, unit.mm / chosen.unit.mm)
+    rig = scaled_rig(read.rig, unit.mm / chosen.unit.mm)
     checked_rig(rig, str(sources[0].path))
     return chosen, replace(read, rig=rig, unit=unit, notes=(*([of_both] if of_both else ()), *read.notes))
 
@@ -109,19 +109,6 @@ def _require_options(chosen: RigFormat, given: ReadOptions) -> None:
                 f"`{name}` does not apply to files of the format '{chosen.name}', which state it themselves. "
                 "Leave it out."
             )
-
-
-def _in_unit(rig: Rig, scale: float) -> Rig:
-    """Return a rig whose lengths are multiplied by `scale`."""
-    if scale == 1.0:
-        return rig
-    records = {}
-    for name, record in rig.cameras.items():
-        camera = record.camera()
-        T = camera.T_cam_world.copy()
-        T[:3, 3] *= scale
-        records[name] = CameraRecord.of(replace(camera, T_cam_world=T))
-    return Rig(cameras=records)
 
 
 def _unit_of(read: ReadRig, chosen: RigFormat, given: ReadOptions) -> Unit:

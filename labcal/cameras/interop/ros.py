@@ -27,19 +27,17 @@ from labcal.cameras.interop.exchange import (
     Unit,
 )
 from labcal.cameras.interop.lens_parameters import (
-    FISHEYE_COEFFICIENTS,
     camera_record,
     fisheye_coefficients,
-    fisheye_lens,
     held_coefficients,
     intrinsics_of,
     opencv_model,
-    perspective_lens,
 )
 from labcal.cameras.interop.numbers_text import finite_numbers, number_text, picture_size
 from labcal.cameras.interop.opencv_storage import require_shape
 from labcal.cameras.interop.placement import MM_IN_M, poses_from_first, rig_of, rounded_pose
 from labcal.cameras.interop.ros_documents import contents_of, is_message, is_of_part, note_on_part
+from labcal.cameras.interop.ros_lens import COUNTS, LENSES, NO_MODEL, model_of
 from labcal.cameras.opencv_model import FISHEYE
 from labcal.cameras.record import CameraRecord
 from labcal.cameras.rig import Rig
@@ -50,15 +48,6 @@ from labcal.run.file_marks import TEXT_COMMENT
 _HOLDER = "ROS"
 _PAIR = 2
 _PLUMB_BOB, _RATIONAL = 5, 8
-_COUNTS = (0, 4, _PLUMB_BOB, _RATIONAL, 12, 14)
-"""OpenCV undistorts with whatever stands in the file, whichever of both names is beside it."""
-_NO_MODEL = ("", "none", None)
-_LENSES = {
-    "plumb_bob": (perspective_lens, _COUNTS),
-    "rational_polynomial": (perspective_lens, _COUNTS),
-    "equidistant": (fisheye_lens, (FISHEYE_COEFFICIENTS,)),
-    "fisheye": (fisheye_lens, (FISHEYE_COEFFICIENTS,)),
-}
 
 
 def recognises(text: str) -> bool:
@@ -68,22 +57,26 @@ def recognises(text: str) -> bool:
     return "distortion_model:" in text and is_message(text)
 
 
-def read_ros(sources: Sequence[SourceText], _given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
+def read_ros(sources: Sequence[SourceText], given: ReadOptions = NOTHING_GIVEN) -> ReadRig:
     """Read one camera, or a rectified pair from one file or two; the first camera is the world.
 
     Raises
     ------
     InputError
-        A file is damaged, there are more than two, or nothing determines where the second camera is.
+        A file is damaged, there are more than two, nothing determines where the second camera is or whose
+        four coefficients are, or a lens is given for files that state it.
     """
     found = [(content, source.path) for source in sources for content in contents_of(source)]
     contents, paths = [content for content, _ in found], [path for _, path in found]
     names = [str(content.get("camera_name") or "") for content in contents]
-    return rig_of_infos(contents, names, paths)
+    return rig_of_infos(contents, names, paths, given)
 
 
 def rig_of_infos(
-    contents: Sequence[Mapping[str, Any]], names: Sequence[str], paths: Sequence[Path]
+    contents: Sequence[Mapping[str, Any]],
+    names: Sequence[str],
+    paths: Sequence[Path],
+    given: ReadOptions = NOTHING_GIVEN,
 ) -> ReadRig:
     """Return the rig of one camera_info, or of those of a rectified pair.
 
@@ -95,6 +88,8 @@ def rig_of_infos(
         Of the cameras; the file's where one is empty.
     paths : sequence of Path
         The files, for messages.
+    given : ReadOptions
+        Its lens decides where four coefficients have no model.
 
     Raises
     ------
@@ -108,7 +103,8 @@ def rig_of_infos(
     if len(contents) == _PAIR:
         T_second_first, notes = _pair_pose(contents, paths)
         poses.append(T_second_first)
-    cameras = [_camera(content, T, path) for content, T, path in zip(contents, poses, paths, strict=True)]
+    parts = zip(contents, poses, paths, strict=True)
+    cameras = [_camera(content, T, given, path) for content, T, path in parts]
     notes += tuple(note_on_part(content, path) for content, path in zip(contents, paths, strict=True)
                    if is_of_part(content))  # fmt: skip
     return ReadRig(
@@ -185,20 +181,11 @@ def _data(content: Mapping[str, Any], key: str, counts: Sequence[int], path: Pat
     return numbers
 
 
-def _camera(content: Mapping[str, Any], T_cam_world: Pose, path: Path) -> CameraRecord:
+def _camera(content: Mapping[str, Any], T_cam_world: Pose, given: ReadOptions, path: Path) -> CameraRecord:
     """Return the camera of one file."""
     model = content.get("distortion_model")
-    if model in _NO_MODEL:
-        stated = _data(content, "distortion_coefficients", _COUNTS, path)
-        if not any(stated) or ("distortion_model" not in content and len(stated) != FISHEYE_COEFFICIENTS):
-            model = (
-                "plumb_bob"  # of a rectified or simulated camera, or of a file from before ROS Diamondback
-            )
-    if model not in _LENSES:
-        raise InputError(
-            f"{path}: the distortion model {model!r:.40} has no counterpart here; {', '.join(_LENSES)} have."
-        )
-    lens, counts = _LENSES[model]
+    stated = _data(content, "distortion_coefficients", COUNTS, path) if model in NO_MODEL else ()
+    lens, counts = LENSES[model_of(model, stated, given, path)]
     return camera_record(
         intrinsics_of(_data(content, "camera_matrix", (9,), path), path),
         lens(_data(content, "distortion_coefficients", counts, path)),
@@ -249,4 +236,5 @@ ROS = RigFormat(
     write_ros,
     TEXT_COMMENT,
     Unit.METRES,
+    options=("unit", "lens"),
 )

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labcal.cameras.blind_pixels import blind_pixels
 from labcal.cameras.camera import Camera
 from labcal.cameras.interop.conversion import ConvertSettings, read_options
+from labcal.cameras.interop.remarks import remarks_on
 from labcal.cameras.interop.rig_files import baseline_mm, chosen_cameras, read_rig_files
-from labcal.cameras.principal_point import principal_point_note
 from labcal.paths import AnyPath, as_path
 from labcal.public_object import HtmlTable, PublicObject
 
@@ -83,15 +82,12 @@ def understood_cameras(inputs: Sequence[AnyPath], settings: ConvertSettings) -> 
     source, found = read_rig_files([as_path(one) for one in inputs], settings.from_format, given)
     rig = chosen_cameras(found.rig, list(settings.only)) if settings.only else found.rig
     cameras = {name: rig.camera(name) for name in rig.cameras}
-    remarks = [
-        note(name, one) for name, one in cameras.items() for note in (principal_point_note, blind_pixels)
-    ]
     return Understood(
         source=source.name,
         unit=None if found.unit is None else found.unit.value,
         baseline_mm=baseline_mm(rig),
         cameras={name: _understood(camera) for name, camera in cameras.items()},
-        notes=[*found.notes, *(note for note in remarks if note is not None)],
+        notes=[*found.notes, *remarks_on(cameras, source)],
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from labcal.cameras.interop.exchange import ReadRig
 from labcal.cameras.interop.lens_parameters import camera_record, perspective_lens
-from labcal.cameras.interop.numbers_text import finite_numbers, picture_size
+from labcal.cameras.interop.numbers_text import finite_numbers, known_size
 from labcal.cameras.interop.placement import rig_of
 from labcal.cameras.record import CameraRecord
 from labcal.errors import InputError
@@ -42,9 +42,7 @@ def read_project(root: Element, path: Path, stated: tuple[int, int] | None) -> R
             f"{path} does not state how large the pictures are: the project has no area of interest. Draw "
             "one, save, and convert again, or give it: `size='1280x960'`."
         )
-    size = picture_size(stated if mask is None else [mask.get("width"), mask.get("height")], path)
-    if stated not in (None, size):
-        raise InputError(f"{path} states another size of the pictures than `size`. Leave that out.")
+    size = known_size(None if mask is None else [mask.get("width"), mask.get("height")], stated, path)
     names: list[str] = []
     records: list[CameraRecord] = []
     for camera in cameras:

@@ -22,7 +22,7 @@ from labcal.correspond.boards_table import on_target
 from labcal.correspond.detections import Detections
 from labcal.correspond.interop.corners_lines import points_by_image, positive_sigma, whole_grid
 from labcal.correspond.matching import require_on_target
-from labcal.correspond.sense import covaries_soundly, near_picture
+from labcal.correspond.sense import covaries_soundly, in_picture
 from labcal.correspond.sources import Source, loose_source, refuse_unnamed_cameras
 from labcal.detect.flags import DotFlag
 from labcal.errors import InputError
@@ -129,8 +129,9 @@ def read_corners(
     Raises
     ------
     InputError
-        The file cannot be read, is damaged, an image has another number of points than the target, two images
-        are the same view of the same camera, or the target is no grid of rows and columns.
+        The file cannot be read, is damaged, an image has another number of points than the target, a point
+        lies outside of its picture, two images are the same view of the same camera, or the target is no grid
+        of rows and columns.
     """
     path = as_path(path)
     _require_rows_and_columns(target)
@@ -171,13 +172,23 @@ def read_corners(
         covariance=variance[:, None, None] * np.eye(2),
         flag=np.where(seen, DotFlag.OK.value, DotFlag.HIDDEN.value),
     )
-    near = near_picture(found.size, found.position)
-    sound = near & covaries_soundly(found.size, found.covariance.reshape(-1, 4)[:, [0, 1, 3]])
-    if (seen & ~sound).any():
-        raise InputError(
-            f"{path}: {found.words(int(np.argmax(seen & ~sound)))} is far outside of its picture."
-        )
+    sound = covaries_soundly(found.size, found.covariance.reshape(-1, 4)[:, [0, 1, 3]])
+    for fits, why in (
+        (in_picture(found.size, found.position), "lies outside of"),
+        (sound, "is too uncertain for"),
+    ):
+        if (seen & ~fits).any():
+            raise InputError(_words_on(found, int(np.argmax(seen & ~fits)), why, path))
     return ReadCorners(found, notes)
+
+
+def _words_on(found: Detections, row: int, why: str, path: Path) -> str:
+    """Return a message on a dot that cannot be of its picture."""
+    (x, y), (width, height) = found.position[row].tolist(), found.size[row].tolist()
+    return (
+        f"{path}: {found.words(row)} at ({x:.1f}, {y:.1f}) px {why} its picture of {width} x {height} px. "
+        "Give the size of the pictures in which the dots were measured: `size='1280x960'`."
+    )
 
 
 def _turned_over(points: Float64[np.ndarray, "count 3"], target: Target) -> Float64[np.ndarray, "count 3"]:

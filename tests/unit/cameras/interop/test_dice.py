@@ -135,9 +135,9 @@ def test_the_size_of_a_project_without_an_area_of_interest_can_be_given() -> Non
         read_dice([source])
     (record, _) = read_dice([source], ReadOptions(size=(1280, 800))).rig.cameras.values()
     assert record.size == (1280, 800)
-    with pytest.raises(InputError, match="another size of the pictures than `size`"):
+    with pytest.raises(InputError, match=r"states a picture size of 1280x800\. Leave `size` out"):
         read_dice([SourceText(Path("cal.xml"), PROJECT)], ReadOptions(size=(640, 480)))
-    with pytest.raises(InputError, match="another size of the pictures than `size`"):
+    with pytest.raises(InputError, match=r"states a picture size of 1280x800\. Leave `size` out"):
         read_dice([SourceText(Path("cal.xml"), SYSTEM)], ReadOptions(size=(640, 480)))
 
 

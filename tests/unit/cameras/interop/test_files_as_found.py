@@ -52,13 +52,25 @@ def camera_info(count: int) -> str:
 def test_an_old_camera_info_does_not_state_its_model(tmp_path: Path) -> None:
     path = tmp_path / "left.yaml"
     path.write_text(camera_info(5))
-    chosen, found = read_rig_files([path], None)
-    assert chosen.name == "ros"
-    (record,) = found.rig.cameras.values()
-    assert (record.lens, list(record.dist)) == ("brown5", D)
-    path.write_text(camera_info(4))  # Brown's or the fisheye's
-    with pytest.raises(InputError, match="the distortion model None has no counterpart"):
+    assert read_rig_files([path], None)[0].name == "ros"
+    for model in ("", "distortion_model: ''\n", "distortion_model:\n"):
+        path.write_text(camera_info(5) + model)
+        assert list(next(iter(read(path).rig.cameras.values())).dist) == D
+        path.write_text(camera_info(4) + model)  # Brown's or the fisheye's
+        with pytest.raises(
+            InputError, match=r"plumb_bob .* or equidistant .*: `lens='brown5'` or `lens='fish"
+        ):
+            read(path)
+        for lens in ("brown5", "fisheye-kb4"):
+            (record,) = read(path, lens=lens).rig.cameras.values()
+            assert (record.lens, list(record.dist)) == (lens, [*D[:4], 0.0])
+    path.write_text(camera_info(4) + "distortion_model: none\n")
+    with pytest.raises(InputError, match="states the distortion model 'none', but has coefficients that are"):
         read(path)
+    for count, model in ((5, ""), (4, "distortion_model: plumb_bob\n")):
+        path.write_text(camera_info(count) + model)
+        with pytest.raises(InputError, match="`lens` does not apply to files of the format 'ros'"):
+            read(path, lens="fisheye-kb4")
 
 
 def test_warnings_of_topic_echo_are_skipped(tmp_path: Path) -> None:
@@ -119,7 +131,7 @@ def test_world_units_that_are_none(tmp_path: Path) -> None:
     camera = struct(K=K, WorldUnits="squares")
     pair = {"CameraParameters1": camera, "CameraParameters2": camera, "RotationOfCamera2": R.T}
     savemat(tmp_path / "rig.mat", {"s": {**pair, "TranslationOfCamera2": T}})
-    with pytest.raises(InputError, match="should be one unit of length, as mm or m, but is 'squares'"):
+    with pytest.raises(InputError, match=r"should be one unit of length, mm, cm, m, .*but is 'squares'"):
         read(tmp_path / "rig.mat")
 
 
@@ -133,8 +145,7 @@ def test_focal_lengths_of_matlab_in_place_of_a_matrix(tmp_path: Path) -> None:
         read(tmp_path / "a.mat")
 
 
-def test_caldat_with_decimal_commas_and_in_metres(tmp_path: Path) -> None:
-    angles = Rotation.from_matrix(R).as_euler("xyz", degrees=True)
+def caldat(angles: np.ndarray, unit: str) -> list[str]:
     lines = []
     for number in (0, 1):
         labels = {"Fx [pixels]": K[0, 0], "Fy [pixels]": K[1, 1], "Fs [pixels]": 0.0, "Kappa 1": D[0],
@@ -142,8 +153,42 @@ def test_caldat_with_decimal_commas_and_in_metres(tmp_path: Path) -> None:
                   "Cy [pixels]": K[1, 2]}  # fmt: skip
         lines += [f"Cam{number}_{label};{float(value)!r}" for label, value in labels.items()]
     lines += [f"{label} [mm];{value!r}" for label, value in zip(("Tx", "Ty", "Tz"), T.tolist(), strict=True)]
-    lines += [f"{label} [deg];{value!r}"
-              for label, value in zip(("Theta", "Phi", "Psi"), angles.tolist(), strict=True)]  # fmt: skip
+    turns = zip(("Theta", "Phi", "Psi"), angles.tolist(), strict=True)
+    return lines + [f"{label}{unit};{value!r}" for label, value in turns]
+
+
+@pytest.mark.parametrize("unit", [" [rad]", "[Radians]", " [deg]", "[\u00b0]", ""])
+def test_angles_of_caldat_are_in_the_unit_of_their_labels(unit: str, tmp_path: Path) -> None:
+    angles = Rotation.from_matrix(R).as_euler("xyz", degrees="ad" not in unit)
+    path = tmp_path / "a.caldat"
+    path.write_text("\n".join(caldat(angles, unit)))
+    found = read(path, size=(1600, 1200))
+    np.testing.assert_allclose(np.array(list(found.rig.cameras.values())[1].T_cam_world)[:3], np.c_[R, T])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (
+            "Phi [rad]",
+            "Phi [deg]",
+            r"should be in \[deg\] or in \[rad\], all three, but are in \[deg\] and \[rad\]",
+        ),
+        ("Phi [rad]", "Phi", r"all three, but are in none and \[rad\]"),
+        ("[rad]", "[gon]", r"but are in \[gon\]\. Convert"),
+        ("Cam1_Fx [pixels]", "Cam1_Fx [mm]", r"'Cam1_Fx \[mm\]' should be in \[pixels\]"),
+        ("Cam0_Kappa 1", "Cam0_Kappa 1 [1/mm^2]", "should have no unit"),
+    ],
+)
+def test_units_that_no_caldat_has(old: str, new: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.caldat"
+    path.write_text("\n".join(caldat(np.zeros(3), " [rad]")).replace(old, new))
+    with pytest.raises(InputError, match=words):
+        read(path, size=(1600, 1200))
+
+
+def test_caldat_with_decimal_commas_and_in_metres(tmp_path: Path) -> None:
+    lines = caldat(Rotation.from_matrix(R).as_euler("xyz", degrees=True), " [deg]")
     path = tmp_path / "a.caldat"
     path.write_text("\n".join(lines).replace(".", ","))
     found = read(path, size=(1600, 1200))

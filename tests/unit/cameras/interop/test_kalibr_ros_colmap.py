@@ -59,6 +59,34 @@ def test_a_chain_of_kalibr() -> None:
     np.testing.assert_allclose(np.array(right.T_cam_world)[:3, 3], [-110.0, 0.5, 250.0])
 
 
+@pytest.mark.parametrize(
+    ("model", "intrinsics", "lens"),
+    [
+        ("pinhole", "[461.5, 460.25, 362.5, 246.125]", "pinhole"),
+        ("ds", "[-0.2, 0.55, 461.5, 460.25, 362.5, 246.125]", "double-sphere"),
+        ("omni", "[0.9, 461.5, 460.25, 362.5, 246.125]", "omni-radtan"),
+    ],
+)
+def test_zeros_are_no_distortion(model: str, intrinsics: str, lens: str, tmp_path: Path) -> None:
+    camera = f"cam0:\n  camera_model: {model}\n  intrinsics: {intrinsics}\n  resolution: [752, 480]\n"
+    none = f"{camera}  distortion_model: none\n  distortion_coeffs: "
+    plain, zeros = (chain(f"{none}{one}\n").rig.cameras["cam0"] for one in ("[]", "[0, 0, 0.0, 0]"))
+    assert zeros == plain
+    assert zeros.lens == lens
+    with pytest.raises(InputError, match="model 'none', but distortion_coeffs are not all 0"):
+        chain(f"{none}[0, 0, 0.1, 0]\n")
+    path = tmp_path / "sensor.yaml"
+    rows = np.eye(4).ravel().tolist()
+    text = (f"sensor_type: camera\nT_BS:\n  data: {rows}\ncamera_model: pinhole\nresolution: [752, 480]\n"
+            "intrinsics: [461.5, 460.25, 362.5, 246.125]\ndistortion_model: none\n")  # fmt: skip
+    path.write_text(f"{text}distortion_coefficients: [0.0, 0.0, 0.0, 0.0]\n")
+    (record,) = read_rig_files([path], "euroc")[1].rig.cameras.values()
+    assert record.lens == "pinhole"
+    path.write_text(f"{text}distortion_coefficients: [0.0, 0.0, 0.0, 0.2]\n")
+    with pytest.raises(InputError, match="distortion_coefficients are not all 0"):
+        read_rig_files([path], "euroc")
+
+
 def test_a_third_camera_of_kalibr_follows_the_second(make_rig: MakeRig) -> None:
     text = write_kalibr(make_rig("pinhole", count=3), ".yaml").files[0].text
     assert text.count("T_cn_cnm1") == 2

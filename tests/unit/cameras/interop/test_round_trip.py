@@ -7,10 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from labcal.cameras.camera import Camera
+from labcal.cameras.interop.conversion import ConvertSettings
 from labcal.cameras.interop.exchange import Home, ReadOptions
 from labcal.cameras.interop.registry import FORMATS
 from labcal.cameras.interop.rig_files import read_rig_files, write_rig_files
+from labcal.cameras.interop.understanding import understood_cameras
 from labcal.cameras.lens import LENSES
+from labcal.cameras.principal_point import exchanged_sides_note
 from labcal.cameras.rig import Rig
 from labcal.errors import InputError
 
@@ -185,3 +189,48 @@ def test_a_lost_coefficient_of_a_rig_is_an_error(
         else:
             with pytest.raises(InputError, match=rf"dist holds {count} coefficients, but should hold"):
                 read_rig_files([path], "labcal")
+
+
+@pytest.mark.parametrize("name", list(FORMATS))
+def test_height_and_width_in_place_of_width_and_height_are_told(
+    name: str, tmp_path: Path, make_rig: MakeRig
+) -> None:
+    """As of a size that was taken from the shape of an array; no format states which of both stands first."""
+    chosen, rig = FORMATS[name], make_rig("pinhole", count=1 if name == "ros" else 2)
+    exchanged = {key: one.model_copy(update={"size": (480, 640)}) for key, one in rig.cameras.items()}
+    path = tmp_path / ("model" if chosen.home is Home.FOLDER else f"rig{chosen.suffixes[0]}")
+    texts = chosen.write(Rig(cameras=exchanged), chosen.suffixes[0])
+    files = write_rig_files(path, chosen, texts, force=False)
+    paths = [path] if chosen.home is Home.FOLDER else files
+    wrong, right = ConvertSettings(name, size="480x640"), ConvertSettings(name, size="640x480")
+    stated = ConvertSettings(name) if name != "matchid" else wrong
+    notes = [note for note in understood_cameras(paths, stated).notes if "seem to be exchanged" in note]
+    assert len(notes) == len(rig.cameras)
+    assert "480 x 640 px, seem to be exchanged" in notes[0]
+    assert "off that of one of 640 x 480 px" in notes[0]
+    if "size" not in chosen.options:
+        assert notes[0].endswith("If so, exchange them in the file.")
+        return
+    assert notes[0].endswith("If so, give their size: `size='640x480'`.")
+    mended = understood_cameras(paths, right)
+    assert {camera.size for camera in mended.cameras.values()} == {(640, 480)}
+    assert not any("exchanged" in note for note in mended.notes)
+
+
+@pytest.mark.parametrize(
+    ("size", "point", "words"),
+    [
+        ((720, 1280), (358.0, 650.0), None),  # a camera on its side
+        ((720, 1280), (640.25, 355.75), "399 px off the middle of such a picture, and 3.82 px off"),
+        ((1280, 720), (355.75, 640.25), "720 x 1280 px"),
+        ((720, 1280), (480.0, 560.0), None),  # far off, but of neither size
+        ((1000, 1050), (524.5, 499.5), None),  # nearly square: as far off as lenses are
+        ((1280, 1024), (505.0, 650.0), "1024 x 1280 px"),
+    ],
+)
+def test_a_camera_on_its_side_is_not_taken_for_one_with_exchanged_sides(
+    size: tuple[int, int], point: tuple[float, float], words: str | None
+) -> None:
+    K = np.array([[900.0, 0.0, point[0]], [0.0, 905.0, point[1]], [0.0, 0.0, 1.0]])
+    note = exchanged_sides_note("left", Camera(K, "pinhole", np.zeros(5), np.eye(4), size), "")
+    assert note is None if words is None else note is not None and words in note

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from labcal.correspond.interop.corners_vnl import read_corners
+from labcal.errors import InputError
 from labcal.targets.grid import DotGrid
 
 K = np.array([[760.0, 0.0, 330.0], [0.0, 760.0, 235.0], [0.0, 0.0, 1.0]])
@@ -51,3 +52,20 @@ def test_corners_of_mrgingham_are_those_of_the_board(tmp_path: Path) -> None:
     assert read.ok.all()
     assert np.abs(miss).max() < 1.5  # px, of 30 between corners
     assert np.abs(miss.mean(axis=0)).max() < 0.1  # both count from the centre of the first pixel
+
+
+def test_a_size_in_which_a_corner_cannot_be_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "corners.vnl"
+    target = DotGrid(
+        name="corners", cols=2, rows=2, pitch_x_mm=PITCH, pitch_y_mm=PITCH, dot_diameter_mm=PITCH / 1000.0,
+        margin_mm=PITCH, rings=None,
+    )  # fmt: skip
+    lines = [f"v1.png {x} {y} 0" for x, y in ((0.0, 0.25), (639.4, 20.0), (20.0, 479.4), (600.0, 470.0))]
+    path.write_text("\n".join(["# filename x y level", *lines]))
+    assert read_corners(path, target, {}, lambda _: SIZE).detections.ok.all()
+    for size, dot, at in (((640, 400), r"\(0, 0\)", r"\(20\.0, 479\.4\)"), ((630, 480), r"\(1, 1\)", "")):
+        message = (
+            rf"corners\.vnl: Dot {dot} in view 'v1' .* at {at}.* lies outside of its picture of {size[0]} x"
+        )
+        with pytest.raises(InputError, match=message):
+            read_corners(path, target, {}, lambda _, size=size: size)
