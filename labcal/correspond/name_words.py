@@ -57,7 +57,7 @@ _UNITS = {
     "us", "µs", "ms", "sec", "min", "nm", "um", "µm", "mm", "cm", "inch", "deg", "grad", "degc", "ev", "lux",
     "lx", "hz", "fps", "ma", "db", "pct", "percent",
 }  # fmt: skip
-_LETTERS = {"s", "m", "c", "k", "v"}
+_LETTERS = {"s", "m", "C", "K", "V"}
 """Units of one letter, which numbers that count from 0 or 1 are not taken to have."""
 GRIDS = ({"r", "c"}, {"x", "y"}, {"u", "v"}, {"i", "j"}, {"p", "t"})
 """Letters before two numbers that are rows and columns, or the like."""
@@ -114,7 +114,7 @@ def is_placement_word(text: str) -> bool:
 
 def is_unit(text: str, *, counted: bool) -> bool:
     """Tell whether a word behind numbers is their unit, as ``mm``; one letter is none where they count on."""
-    return text.casefold() in _UNITS or (text.casefold() in _LETTERS and not counted)
+    return text.casefold() in _UNITS or (text in _LETTERS and not counted)
 
 
 def is_quantity(text: str) -> bool:

@@ -102,6 +102,7 @@ UNSURE = [
     (crossed("{n:02d}_Nr{c}.png", (3, 4), EIGHT), 2),
     (crossed("c{c:02d}_{n:04d}.png", range(16), range(17)), 16),
     (crossed("C{c}_{n}.png", (4, 7), EIGHT), 2),
+    (crossed("{c}c_{n}.png", (2, 3), EIGHT), 2),
     (crossed("{c}_{n}.png", DATES, EIGHT), 2),
     (crossed("{n}_{c}.png", ("12032024", "13032024"), EIGHT), 2),
     (crossed("r{n}_c{c}.png", range(4), range(5)), 4),
