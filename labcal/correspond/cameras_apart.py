@@ -10,12 +10,12 @@ from labcal.correspond.camera_folders import equal_folders
 from labcal.correspond.crossed_names import called_sides
 from labcal.correspond.group_option import folder_option, group_option
 from labcal.correspond.name_patterns import name_parts
-from labcal.correspond.name_words import is_camera_word, is_dated
+from labcal.correspond.name_words import is_camera_word, is_date, is_dated, is_unit
 from labcal.correspond.names_alike import common_start
 from labcal.correspond.natural_order import in_name_order
 
 _LEAST_PICTURES, _MOST = 3, 64
-_CALLED = re.compile(r"(?P<word>[^\W\d_]+)[-_ .]?(?P<number>\d+)")
+_CALLED = re.compile(r"(?P<word>[^\W\d_]+)[-_ .]?(?P<number>\d+)(?P<behind>[^\W\d_]*)")
 
 
 def cameras_apart(images: Sequence[str]) -> tuple[str | None, tuple[str, ...]] | None:
@@ -33,9 +33,10 @@ def cameras_apart(images: Sequence[str]) -> tuple[str | None, tuple[str, ...]] |
     (str or None, tuple of str) or None
         As ``left/*=left,right/*=right``; None if these are no cameras.
     """
+    names = name_parts(images)
     paths = [
         [text for kind, text in zip(name.kinds, name.parts, strict=True) if kind == "folder"]
-        for name in name_parts(images)
+        for name in names
     ]
     for folders in zip(*paths, strict=False):
         groups = _grouped(images, folders)
@@ -44,6 +45,8 @@ def cameras_apart(images: Sequence[str]) -> tuple[str | None, tuple[str, ...]] |
             if equal is not None and len(equal[1]) == len(groups):
                 return equal
             return folder_option(groups), tuple(group[0] for group in groups.values())
+    if len({name.kinds for name in names}) <= 1:
+        return None  # names that are built alike tell it themselves
     stems = [Path(image).stem for image in images]
     for called in (_sides(stems), [_number(stem) for stem in stems]):
         groups = _grouped(images, called)
@@ -81,5 +84,11 @@ def _sides(stems: Sequence[str]) -> list[str]:
 
 def _number(stem: str) -> str:
     """Return the number that a name gives a camera, with its word; empty where it gives none."""
-    numbers = {one.group() for one in _CALLED.finditer(stem) if is_camera_word(one["word"])}
+    numbers = {
+        f"{one['word']}{one['number']}"
+        for one in _CALLED.finditer(stem)
+        if is_camera_word(one["word"])
+        and not is_date(one["number"])
+        and not is_unit(one["behind"], counted=one["number"] in {"0", "1"})
+    }
     return numbers.pop() if len(numbers) == 1 else ""

@@ -22,8 +22,12 @@ def folder_option(groups: Mapping[str, Sequence[str]]) -> str | None:
     groups : mapping of str to sequence of str
         Pictures by folder.
     """
-    patterns = [f"{folder}/{ANY}" for folder in groups]
-    return _option(patterns, cameras_called(list(groups)), list(groups.values()))
+    called, inside = cameras_called(list(groups)), list(groups.values())
+    for form in ("{}/" + ANY, ANY + "/{}/" + ANY):
+        option = _option([form.replace("{}", folder) for folder in groups], called, inside)
+        if option is not None:
+            return option
+    return None
 
 
 def group_option(groups: Sequence[Sequence[str]], called: Sequence[str] | None = None) -> str | None:

@@ -64,11 +64,14 @@ def named_cameras(images: Sequence[str]) -> NamedCameras | None:
     or where folders hold equally many pictures, which then pair up in their order.
     """
     for names in _alike(images):
-        places = CrossedNames(names).called() or cameras_in_turn(names.splits)
+        crossed = CrossedNames(names)
+        places = crossed.called() or cameras_in_turn(names.splits)
         if places is not None:
-            option, pictures = _found(names, places)
+            partly = len(names.splits) < len(images) and not crossed.is_named(places)
+            apart = cameras_apart(images) if partly else None
+            option, pictures = apart or _found(names, places)
             return NamedCameras(option, pictures, one_camera_pattern(images))
-    others = camera_folders(images) or cameras_apart(images) or glued_cameras(images)
+    others = cameras_apart(images) or camera_folders(images) or glued_cameras(images)
     return None if others is None else NamedCameras(*others, one_camera_pattern(images))
 
 

@@ -178,7 +178,7 @@ def are_series(folders: set[str]) -> bool:
     """Tell whether folders are called days, sets, exposures or the like: no cameras."""
     if all(map(is_dated, folders)) or all(map(is_quantity, folders)):
         return True
-    return is_series_word(_folder_word(folders))
+    return is_series_word(_folder_word(folders)) or is_series_word(common_start(folders))
 
 
 def _folder_word(folders: set[str]) -> str:

@@ -82,6 +82,7 @@ APART = [
     (["cam1/DSC{}.jpg", "cam2/IMG_{}.jpg"], (8, 7), "cam1/*=cam1,cam2/*=cam2"),
     (["izquierda/a{}.jpg", "derecha/b_{}.jpg"], (8, 7), "derecha/*=derecha,izquierda/*=izquierda"),
     (["left_cam/d/DSC{}.jpg", "right_cam/d/IMG_{}.jpg"], (8, 7), "left_cam/*=left-cam,right_cam/*=right-cam"),
+    (["a/left/x{}.jpg", "b/right/y_{}.jpg"], (8, 7), "left/*=left,right/*=right"),
     (["left{}.png", "right_{}.png"], (8, 8), "left*=left,right_*=right"),
     (["left{}.png", "right_{}.png"], (8, 6), "left*=left,right_*=right"),
     (["L_IMG{}.png", "R-{}.png"], (8, 8), "L_IMG*=left,R-*=right"),
@@ -101,6 +102,32 @@ def test_cameras_called_so_are_told_though_their_names_are_unlike(
     assert given == option
     assert sorted(cameras_of(open_pictures("photos", given)).values()) == sorted(counts)
     assert cameras_of(open_pictures("photos", alone)) == {"camera": sum(counts)}
+
+
+BY_SIDE, BY_CAMERA = {"left": "x", "right": "y_"}, {"camA": "x", "camB": "y_"}
+NESTED = [
+    (
+        [f"{day}/{side}/{BY_SIDE[side]}{n}.png" for day in "ab" for side in BY_SIDE for n in range(3)],
+        "*/left/*=left,*/right/*=right",
+    ),
+    (
+        [f"{cam}/{day}/{BY_CAMERA[cam]}{n}.png" for day in "ab" for cam in BY_CAMERA for n in range(3)],
+        "camA/*=camA,camB/*=camB",
+    ),
+]
+
+
+@pytest.mark.parametrize(("names", "option"), NESTED)
+def test_folders_of_cameras_are_told_beside_those_of_days(
+    names: list[str], option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    laid_out(names, tmp_path, monkeypatch)
+    with pytest.raises(InputError, match="those of 2 cameras") as error:
+        open_pictures("photos")
+    given, alone = ADVICE.findall(str(error.value))
+    assert given == option
+    assert list(cameras_of(open_pictures("photos", given)).values()) == [6, 6]
+    assert cameras_of(open_pictures("photos", alone)) == {"camera": 12}
 
 
 DOUBTED = [

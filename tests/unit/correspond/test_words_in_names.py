@@ -79,6 +79,8 @@ ONE = [
     crossed("{c:02d}.03.2024_{n}.png", (1, 2), EIGHT),
     crossed("20240312_{c}_{n}.png", (101200, 103000), EIGHT),
     crossed("IMG_20240312_{c}_BURST{n:03d}.jpg", (101112, 101140), EIGHT),
+    crossed("camera_{c}us_{n}.png", (1000, 2000), EIGHT),
+    crossed("sensor_{c}C_{n}.png", (20, 30), EIGHT),
     crossed("video2_{n:04d}.png", (0,), range(0, 60, 5)),
     crossed("usb_{n:04d}.png", (0,), range(12)),
 ]  # fmt: skip
@@ -87,6 +89,7 @@ DAYS = [
     for form, values in (
         ("day{c}/{n}.jpg", (1, 2)),
         ("set{c}/{n}.jpg", (1, 2, 3)),
+        ("cam0_session{c}/{n}.jpg", (1, 2)),
         ("2024-03-{c}/{n}.jpg", (12, 13)),
         ("calib_{c}/{n}.jpg", DATES),
         ("{c}.03.2024/{n}.jpg", (12, 13)),
@@ -104,6 +107,7 @@ UNSURE = [
     (crossed("C{c}_{n}.png", (4, 7), EIGHT), 2),
     (crossed("{c}c_{n}.png", (2, 3), EIGHT), 2),
     (crossed("{c}_{n}.png", DATES, EIGHT), 2),
+    (crossed("camera_{c}_{n}.png", DATES, EIGHT), 2),
     (crossed("{n}_{c}.png", ("12032024", "13032024"), EIGHT), 2),
     (crossed("r{n}_c{c}.png", range(4), range(5)), 4),
     (crossed("shot{n}_{c}.png", range(5), range(3)), 5),
