@@ -7,6 +7,7 @@ from pathlib import Path
 
 from labcal.correspond.camera_called import cameras_called
 from labcal.correspond.name_patterns import name_parts
+from labcal.correspond.names_alike import are_series
 from labcal.correspond.natural_order import in_order
 
 _MOST_FOLDERS, _LEAST_PICTURES = 8, 3
@@ -16,7 +17,7 @@ def camera_folders(images: Sequence[str]) -> tuple[str | None, tuple[str, ...]] 
     """Return the folders of cameras, as ``--cameras`` takes them, and a picture of each.
 
     Folders that hold equally many pictures are taken for those of cameras, unless the pictures of each count
-    on from those of the one before.
+    on from those of the one before, or folders are called days, sets or the like.
 
     Parameters
     ----------
@@ -29,7 +30,9 @@ def camera_folders(images: Sequence[str]) -> tuple[str | None, tuple[str, ...]] 
         As ``left=A/,right=B/``, None where paths have commas or the like; None if these are no cameras.
     """
     found = equal_folders(images)
-    return None if found is None or _count_on(_inside(images)) else found
+    if found is None or are_series(set(_apart([str(Path(image).parent) for image in found[1]]))):
+        return None
+    return None if _count_on(_inside(images)) else found
 
 
 def equal_folders(images: Sequence[str]) -> tuple[str | None, tuple[str, ...]] | None:

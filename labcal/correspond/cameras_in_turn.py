@@ -7,6 +7,7 @@ from pathlib import Path
 
 from labcal.correspond.camera_called import NAMING, camera_called, may_be_device
 from labcal.correspond.name_patterns import ANY, NameParts
+from labcal.correspond.name_words import is_date
 from labcal.correspond.natural_order import in_order
 
 _CAMERAS, _LEAST_PICTURES = range(2, 9), 3
@@ -14,7 +15,6 @@ _MOMENTS = 0.6
 """Share of pictures from which on the rest of the name is a moment, which cameras share by chance only."""
 _COUNTED = (["0", "1"], ["1", "2"], ["0", "1", "2"], ["1", "2", "3"])
 """Digits at the end of names that count cameras."""
-_DATE = re.compile(r"(19|20)\d\d(0[1-9]|1[0-2])(0[1-9]|[12]\d|3[01])")
 
 
 def cameras_in_turn(names: Sequence[NameParts]) -> tuple[int, ...] | None:
@@ -51,12 +51,7 @@ def cameras_in_turn(names: Sequence[NameParts]) -> tuple[int, ...] | None:
 
 def _is_called(kind: str, values: Counter[str]) -> bool:
     """Tell whether texts may be what cameras are called: words, folders, or serial numbers, no dates."""
-    return may_be_device(kind, values) and (kind in NAMING or not any(map(is_date, values)))
-
-
-def is_date(text: str) -> bool:
-    """Tell whether digits are a date, as 20260503."""
-    return _DATE.fullmatch(text) is not None
+    return may_be_device(kind, values) and (kind in NAMING or not all(map(is_date, values)))
 
 
 def order_option(names: Sequence[NameParts], places: tuple[int, ...]) -> str | None:

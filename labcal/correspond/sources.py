@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from labcal.arguments import one_text, wrong_type
-from labcal.correspond.camera_called import cameras_called
+from labcal.correspond.camera_advice import mend_of_endings, mend_of_twins
 from labcal.correspond.name_patterns import ANY, CAMERA, VIEW, best_pattern, camera_in, view_in
 from labcal.correspond.named_cameras import named_cameras
 from labcal.correspond.picture_folders import endings_seen, picture_files
 from labcal.errors import InputError
 from labcal.run.names import differ_in_case, is_name
 from labcal.shoot.dataset import Shoot, is_shoot, open_shoot
-from labcal.shoot.pictures import SUFFIXES, is_lossy, read_picture
+from labcal.shoot.pictures import SUFFIXES, read_picture
 from labcal.shoot.raw_pictures import RawFormat, read_raw_picture
 from labcal.wording import clipped, has_control, listed, printable
 
@@ -86,6 +86,8 @@ def parse_camera_endings(text: str) -> dict[str, str]:
 
 def _named_parts(pattern: str) -> str:
     """Return a pattern with the view and the camera as named parts, checked."""
+    suffix = Path(pattern).suffix
+    pattern = pattern.removesuffix(suffix) if suffix.lower() in SUFFIXES else pattern
     if VIEW not in pattern and ANY not in pattern and pattern.endswith(CAMERA) and pattern != CAMERA:
         pattern = VIEW + pattern  # the end of the names, as '-cam{camera}'
     others = pattern.replace(VIEW, "\0").replace(ANY, "\0")
@@ -158,12 +160,12 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
     images = picture_files(paths)
     refuse_unnamed_cameras(images, endings)
     for image in images:
-        source = loose_source(image, endings)
+        source = loose_source(image, endings, images)
         twin = sources.setdefault((source.view, source.camera), source)
         if twin is not source:
             raise InputError(
                 f"{twin.image} and {source.image} are both view '{source.view}' of camera '{source.camera}'. "
-                + _mend_of_twins(twin.image, source.image)
+                + mend_of_twins(twin.image, source.image, images, endings)
             )
     if not sources:
         raise InputError(
@@ -179,23 +181,6 @@ def loose_sources(paths: Sequence[str], endings: Mapping[str, str]) -> list[Sour
     return [sources[key] for key in sorted(sources)]
 
 
-def _mend_of_twins(first: str, second: str) -> str:
-    """Return advice for two pictures that would be the same view of the same camera."""
-    one, other = Path(first), Path(second)
-    if one.with_suffix("") == other.with_suffix(""):
-        return (
-            "If a camera stored each picture in two formats, give those of one, the better one: "
-            f"{one.parent / '*'}{min(one, other, key=is_lossy).suffix}"
-        )
-    if one.stem == other.stem and len(one.parts) == len(other.parts):
-        apart = next(pair for pair in zip(one.parts, other.parts, strict=True) if pair[0] != pair[1])
-        option = ",".join(
-            f"{folder}/*={name}" for folder, name in zip(apart, cameras_called(apart), strict=True)
-        )
-        return f"If their folders are those of cameras, state it: `cameras='{option}'`."
-    return "Give them different names, or distinguish the cameras with `cameras='_0=left,_1=right'`."
-
-
 def refuse_unnamed_cameras(images: Sequence[str], endings: Mapping[str, str]) -> None:
     """Raise if names of pictures suggest several cameras and `--cameras` was not given.
 
@@ -209,8 +194,17 @@ def refuse_unnamed_cameras(images: Sequence[str], endings: Mapping[str, str]) ->
         raise InputError(cameras.words())
 
 
-def loose_source(image: str, endings: Mapping[str, str]) -> Source:
+def loose_source(image: str, endings: Mapping[str, str], images: Sequence[str] = ()) -> Source:
     """Return the source that the name of a loose picture gives.
+
+    Parameters
+    ----------
+    image : str
+        Path of the picture.
+    endings : mapping of str to str
+        As of :func:`loose_sources`.
+    images : sequence of str, optional
+        All pictures, for which advice has to work.
 
     Raises
     ------
@@ -225,7 +219,8 @@ def loose_source(image: str, endings: Mapping[str, str]) -> Source:
             "fits" if any(mark in known for known in endings for mark in (ANY, VIEW, CAMERA)) else "ends in"
         )
         raise InputError(
-            f"The name of {image} {fits} none of {', '.join(endings)}, so its camera is not known."
+            f"The name of {image} {fits} none of {', '.join(endings)}, so its camera is not known. "
+            + mend_of_endings(image, images or [image], endings)
         )
     camera = camera_in(image, pattern, endings[pattern])
     if not is_name(camera):

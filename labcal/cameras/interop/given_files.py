@@ -1,6 +1,7 @@
 """Files of cameras that paths stand for, and the one of COLMAP's two forms that a folder is read by."""
 
 from collections.abc import Collection, Sequence
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from labcal.cameras.interop.exchange import NOTHING_GIVEN, Home, ReadRig, RigFormat, SourceText
 from labcal.cameras.interop.registry import READ
 from labcal.cameras.rig import Rig
+from labcal.cameras.sides import left_first
 from labcal.errors import InputError
 
 _MOST_FILES = 100
@@ -41,7 +43,12 @@ def given_files(paths: Sequence[Path], wanted: RigFormat | None) -> list[Path]:
 
 
 def _inside(folder: Path, endings: Collection[str]) -> list[Path]:
-    return sorted(entry for entry in folder.iterdir() if entry.suffix.lower() in endings)
+    """Return the files in a folder by name, but that of the left camera before that of the right one."""
+    found = sorted(entry for entry in folder.iterdir() if entry.suffix.lower() in endings)
+    for one, two in combinations(range(len(found) if len(found) <= _MOST_FILES else 0), 2):
+        if left_first([found[one].stem, found[two].stem]) == [found[two].stem, found[one].stem]:
+            found[one], found[two] = found[two], found[one]
+    return found
 
 
 def _folders_below(path: Path) -> list[Path]:

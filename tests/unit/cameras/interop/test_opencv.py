@@ -242,3 +242,29 @@ def test_files_beside_one_do_not_make_it_fail(tmp_path: Path) -> None:
     pose = storage(tmp_path / "extr.yml", R=R, T=T)
     for given in (cameras, pose):
         require_pair(read(given))
+
+
+@pytest.mark.parametrize(("right", "left"), [("derecha", "izquierda"), ("cam_dx", "cam_sx"), ("R", "L")])
+def test_the_first_camera_of_a_folder_is_the_left_one(right: str, left: str, tmp_path: Path) -> None:
+    for name, focal in ((right, 900.0), (left, 700.0)):
+        written(
+            tmp_path / f"{name}.yml",
+            camera_matrix=np.array([[focal, 0, 320], [0, focal, 240], [0, 0, 1]]),
+            distortion_coefficients=np.zeros((1, 5)),
+            image_width=640,
+            image_height=480,
+        )
+    written(tmp_path / "stereo.yml", R=np.eye(3), T=np.array([[-60.0], [0.0], [0.0]]))
+    _, read = read_rig_files([tmp_path], None)
+    assert list(read.rig.cameras) == [left.replace("_", "-"), right.replace("_", "-")]
+    assert f"map coordinates of {left}.yml to those of {right}.yml" in read.notes[-1]
+    ordered = [tmp_path / f"{name}.yml" for name in (right, left, "stereo")]
+    _, read = read_rig_files(ordered, None)
+    assert next(iter(read.rig.cameras)) == right.replace("_", "-")  # as they are given
+
+
+def written(path: Path, **values: object) -> None:
+    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    for key, value in values.items():
+        storage.write(key, value)
+    storage.release()
