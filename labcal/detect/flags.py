@@ -55,6 +55,8 @@ class Refusal(StrEnum):
     """No coded dot of the target is read."""
     MARKERS_UNREADABLE = "markers-unreadable"
     """A marker or more are read, but not the two or more that place the board."""
+    AMBIGUOUS_MARKERS = "ambiguous-markers"
+    """The same markers are read at two places, where the target has them each time."""
     OTHER_IDS = "other-ids"
     """Markers or coded dots are read, but most have ids that the target has not."""
     TORN_CORNERS = "torn-corners"
@@ -125,6 +127,10 @@ _ADVICE = {
     Refusal.MARKERS_UNREADABLE: (
         "Two markers or more, near to each other, must be read to place the board. Check that its codes are "
         "clean, sharp and at least 15 px across, and that glare or dirt does not cover them."
+    ),
+    Refusal.AMBIGUOUS_MARKERS: (
+        "The board is seen twice. Show one print of it only: cover the other one, or take it out of the "
+        "picture."
     ),
     Refusal.OTHER_IDS: (
         "The target does not have these ids. Name the board that is in the picture, or state the id of "
