@@ -11,7 +11,7 @@ from labcal.detect.checks.refusals import hardly_measured
 from labcal.detect.corners.corner_agreement import without_disagreeing
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.enlarged import Enlarged, enlarged_picture
-from labcal.detect.corners.markers_elsewhere import ids_read, ids_read_again
+from labcal.detect.corners.markers_elsewhere import ids_read_again
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
 from labcal.detect.corners.reduced import Reduced, reduced_pictures
 from labcal.detect.corners.saddle_angles import unturned
@@ -20,6 +20,7 @@ from labcal.detect.corners.tag_codes import SeenTags, read_tags
 from labcal.detect.corners.tag_places import PlacedTags, cells_along, tags_in_place
 from labcal.detect.corners.tag_search import OFFSETS, measured_tags
 from labcal.detect.corners.tags_beyond import first_id_of_rows
+from labcal.detect.corners.tags_elsewhere import ids_of_tags, why_no_tags
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
@@ -41,7 +42,6 @@ _FEWEST = 4
 """Corners that determine a homography."""
 _ON_A_LINE = 1e-6
 """Determinant of the scatter of nodes on a line, which are whole numbers: of others it is at least 1 / 4."""
-_HAS_NONE = "Tags of the target are in place, but no small black squares touch their corners."
 _HAS_SQUARES = "Small black squares touch the corners of the tags, which the target says are not printed."
 _ENOUGH = 0.5
 """Share of the board's tags in place after which no finer picture is searched."""
@@ -67,8 +67,9 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     PictureDots
         Without outlines; a corner of a tag that is read and cannot be measured, or that is not where the
         others predict it, is flagged ``bad-fit``, or ``cut`` at the frame. Refused where no two tags are read
-        in the grid's places, where the print has small squares and the target has none or the other way
-        round, where fewer than four corners are measured, and where they lie on no smooth surface.
+        in the grid's places, or the same ones at two places; where the print has small squares and the target
+        has none or the other way round, or another border or set of tags; where fewer than four corners are
+        measured, and where they lie on no smooth surface.
     """
     if grid.corner_squares:
         seen, placed = _placed(grey, grid, settings)
@@ -79,7 +80,7 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     if other is not None:
         return _refused(grey, other, settings)
     if len(placed) == 0:
-        refusal, detail = _why_not(grey, seen, grid, settings)
+        refusal, detail = why_no_tags(grey, seen, grid, settings)
         if grid.corner_squares and len(_placed(np.ascontiguousarray(grey[:, ::-1]), grid, settings)[1]):
             refusal = Refusal.MIRRORED
         return _refused(grey, (refusal, detail), settings)
@@ -129,7 +130,7 @@ def _another(
     first = first_id_of_rows(seen, placed, grid)
     if first is None:
         return None
-    return Refusal.OTHER_IDS, f"{_ids(seen, grid)} They fit the grid with first_id: {first}."
+    return Refusal.OTHER_IDS, f"{ids_of_tags(seen, grid)} They fit the grid with first_id: {first}."
 
 
 def _placed(grey: GreyPicture, grid: AprilGrid, settings: DetectSettings) -> tuple[SeenTags, PlacedTags]:
@@ -174,32 +175,6 @@ def _cell_px(quads: list[Pixels], grid: AprilGrid) -> float:
     """Return the usual side of a cell of some tags, px."""
     sides = np.linalg.norm(np.array(quads) - np.roll(quads, 1, axis=1), axis=-1)
     return float(np.median(sides.min(axis=1))) / cells_along(grid)
-
-
-def _why_not(
-    grey: GreyPicture, seen: SeenTags, grid: AprilGrid, settings: DetectSettings
-) -> tuple[Refusal, str]:
-    """Return why no tags place the grid, and a sentence on those that are read."""
-    if grid.corner_squares:
-        bare = tags_in_place(
-            read_bare_tags(grey, grid, settings), grid, settings.corner, _lenses(grey, settings)
-        )
-        if has_corner_squares(grey, grid, bare.corners) is False:
-            return Refusal.CORNER_SQUARES, _HAS_NONE
-    if len(seen.number) == 0:
-        return Refusal.NO_MARKERS, ""
-    last = grid.first_id + grid.tag_count - 1
-    numbers, detail = set(seen.number.tolist()), _ids(seen, grid)
-    own = sum(grid.first_id <= number <= last for number in numbers)
-    if own <= len(numbers) - own:
-        return Refusal.OTHER_IDS, detail
-    return (Refusal.MARKERS_UNREADABLE if own == 1 else Refusal.OTHER_BOARD), detail
-
-
-def _ids(seen: SeenTags, grid: AprilGrid) -> str:
-    """Return a sentence on the tags that are read, and those of the grid."""
-    last = grid.first_id + grid.tag_count - 1
-    return ids_read("Tag", sorted(set(seen.number.tolist())), str(grid.dictionary), (grid.first_id, last))
 
 
 def _is_smooth(index: DotIndices, seen: Pixels, settings: DetectSettings) -> bool:

@@ -65,6 +65,8 @@ class Refusal(StrEnum):
     """Markers or coded dots are read, but not where the target has them."""
     CORNER_SQUARES = "corner-squares"
     """Tags of an AprilGrid are in place; small squares at their corners are not as the target has them."""
+    BORDER_CELLS = "border-cells"
+    """Tags of an AprilGrid are in place, but with another black border than the target has."""
     NO_CHESSBOARD = "no-chessboard"
     """No corners of squares are seen, or they form no board."""
     BOARD_IN_PART = "board-in-part"
@@ -159,6 +161,9 @@ _ADVICE = {
     Refusal.CORNER_SQUARES: (
         "Set `corner_squares:` in the target as the print is, and check that it is the target's: prints of "
         "Kalibr's have small black squares at the corners of their tags."
+    ),
+    Refusal.BORDER_CELLS: (
+        "Set `border_cells:` in the target as the print is: 2 on prints of Kalibr's, 1 on most others."
     ),
     Refusal.OTHER_CHESSBOARD: (
         "A chessboard was found that is not the target's. Check its numbers of inner corners (squares less "

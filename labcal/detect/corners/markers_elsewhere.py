@@ -31,6 +31,8 @@ def why_not_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSet
     if first is not None:
         return Refusal.OTHER_IDS, f"{detail} They fit the board with first_id: {first}."
     own = len(seen.on(board).number)
+    if own == 0 and len(numbers) == 1:
+        return Refusal.NO_MARKERS, f"{detail} One marker alone may be read by chance."
     if own < len(seen.number) - own:
         return Refusal.OTHER_IDS, detail
     if own >= settings.other_board_markers:
