@@ -11,19 +11,21 @@ from labcal.detect.checks.refusals import hardly_measured
 from labcal.detect.corners.corner_agreement import without_disagreeing
 from labcal.detect.corners.corners import Corners, spans_a_plane
 from labcal.detect.corners.enlarged import Enlarged, enlarged_picture
-from labcal.detect.corners.markers_elsewhere import ids_read
+from labcal.detect.corners.markers_elsewhere import ids_read_again
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_few
 from labcal.detect.corners.reduced import Reduced, reduced_pictures
 from labcal.detect.corners.saddle_angles import unturned
 from labcal.detect.corners.saddles import find_saddles
 from labcal.detect.corners.tag_codes import SeenTags, read_tags
-from labcal.detect.corners.tag_places import cells_along, tags_in_place
+from labcal.detect.corners.tag_places import PlacedTags, cells_along, tags_in_place
 from labcal.detect.corners.tag_search import OFFSETS, measured_tags
 from labcal.detect.corners.tags_beyond import first_id_of_rows
+from labcal.detect.corners.tags_elsewhere import ids_of_tags, why_no_tags
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.rough_undistortion import RoughUndistortion, fisheyes
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
 from labcal.geometry.two_by_two import determinants
@@ -40,7 +42,6 @@ _FEWEST = 4
 """Corners that determine a homography."""
 _ON_A_LINE = 1e-6
 """Determinant of the scatter of nodes on a line, which are whole numbers: of others it is at least 1 / 4."""
-_HAS_NONE = "Tags of the target are in place, but no small black squares touch their corners."
 _HAS_SQUARES = "Small black squares touch the corners of the tags, which the target says are not printed."
 _ENOUGH = 0.5
 """Share of the board's tags in place after which no finer picture is searched."""
@@ -66,28 +67,29 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
     PictureDots
         Without outlines; a corner of a tag that is read and cannot be measured, or that is not where the
         others predict it, is flagged ``bad-fit``, or ``cut`` at the frame. Refused where no two tags are read
-        in the grid's places, where the print has small squares and the target has none or the other way
-        round, where fewer than four corners are measured, and where they lie on no smooth surface.
+        in the grid's places, or the same ones at two places; where the print has small squares and the target
+        has none or the other way round, or another border or set of tags; where fewer than four corners are
+        measured, and where they lie on no smooth surface.
     """
     if grid.corner_squares:
         seen, placed = _placed(grey, grid, settings)
     else:
         seen = read_bare_tags(grey, grid, settings)
-        placed = tags_in_place(seen, grid, settings.corner)
+        placed = tags_in_place(seen, grid, settings.corner, _lenses(grey, settings))
     other = _another(grey, seen, placed, grid)
     if other is not None:
         return _refused(grey, other, settings)
-    if not placed:
-        refusal, detail = _why_not(grey, seen, grid, settings)
-        if grid.corner_squares and _placed(np.ascontiguousarray(grey[:, ::-1]), grid, settings)[1]:
+    if len(placed) == 0:
+        refusal, detail = why_no_tags(grey, seen, grid, settings)
+        if grid.corner_squares and len(_placed(np.ascontiguousarray(grey[:, ::-1]), grid, settings)[1]):
             refusal = Refusal.MIRRORED
         return _refused(grey, (refusal, detail), settings)
     if grid.corner_squares:
         corners = measured_tags(grey, grid, placed, settings.corner)
     else:
-        corners = bare_corners(grey, grid, placed, settings.corner)
+        corners = bare_corners(grey, grid, placed.corners, settings.corner)
     dots = picture_corners(corners, grey, None, settings)
-    cell = _cell_px(list(placed.values()), grid)
+    cell = _cell_px(list(placed.corners.values()), grid)
     if cell < _LEAST_CELL_PX and hardly_measured(dots, settings.quality):
         return dots.refused(Refusal.TOO_SMALL, f"A cell of a tag is {cell:.1f} px wide.")
     dots = without_disagreeing(dots, grid.points(dots.index)[:, :2])
@@ -116,40 +118,50 @@ def _unless_too_soft(dots: PictureDots, corners: Corners, cell_px: float) -> Pic
 
 
 def _another(
-    grey: GreyPicture, seen: SeenTags, placed: dict[int, Pixels], grid: AprilGrid
+    grey: GreyPicture, seen: SeenTags, placed: PlacedTags, grid: AprilGrid
 ) -> tuple[Refusal, str] | None:
-    """Return why tags in place are not the grid's: their corners have squares, or it has another first id."""
-    if not placed:
+    """Return why tags in place are refused: the grid is there twice, has squares or another first id."""
+    if len(placed) == 0:
         return None
-    if not grid.corner_squares and has_corner_squares(grey, grid, placed):
+    if placed.again:
+        return Refusal.AMBIGUOUS_MARKERS, ids_read_again("Tag", placed.again)
+    if not grid.corner_squares and has_corner_squares(grey, grid, placed.corners):
         return Refusal.CORNER_SQUARES, _HAS_SQUARES
     first = first_id_of_rows(seen, placed, grid)
     if first is None:
         return None
-    return Refusal.OTHER_IDS, f"{_ids(seen, grid)} They fit the grid with first_id: {first}."
+    return Refusal.OTHER_IDS, f"{ids_of_tags(seen, grid)} They fit the grid with first_id: {first}."
 
 
-def _placed(
-    grey: GreyPicture, grid: AprilGrid, settings: DetectSettings
-) -> tuple[SeenTags, dict[int, Pixels]]:
+def _placed(grey: GreyPicture, grid: AprilGrid, settings: DetectSettings) -> tuple[SeenTags, PlacedTags]:
     """Return the tags that are read, and those in place, of the level that shows most; coarse ones first.
 
     Where few are in place, and their cells are small, the picture is enlarged.
     """
-    seen, best = SeenTags(np.zeros(0, dtype=np.int64), np.zeros((0, 4, 2))), dict[int, Pixels]()
+    seen, best = SeenTags(np.zeros(0, dtype=np.int64), np.zeros((0, 4, 2))), PlacedTags({})
+    lenses = _lenses(grey, settings)
     levels: Iterator[Reduced | Enlarged] = chain(reduced_pictures(grey, settings), _enlarged(grey, settings))
     for level in levels:
-        if isinstance(level, Enlarged) and best and _cell_px(list(best.values()), grid) > _SMALL_CELL_PX:
+        if (
+            isinstance(level, Enlarged)
+            and len(best)
+            and _cell_px(list(best.corners.values()), grid) > _SMALL_CELL_PX
+        ):
             break
         saddles = unturned(find_saddles(level.grey, settings.saddle), settings)
         tags = read_tags(level.grey, saddles, grid)
         tags = SeenTags(tags.number, level.in_full(tags.corners))
-        placed = tags_in_place(tags, grid, settings.corner)
+        placed = tags_in_place(tags, grid, settings.corner, lenses)
         seen = tags if len(tags.number) >= len(seen.number) else seen
         best = placed if len(placed) >= len(best) else best
         if len(best) >= _ENOUGH * grid.tag_count:
             break
     return seen, best
+
+
+def _lenses(grey: GreyPicture, settings: DetectSettings) -> list[RoughUndistortion]:
+    """Return the wide lenses that are tried."""
+    return fisheyes((grey.shape[1], grey.shape[0]), settings.grid.fisheye_fields_deg)
 
 
 def _enlarged(grey: GreyPicture, settings: DetectSettings) -> Iterator[Enlarged]:
@@ -163,30 +175,6 @@ def _cell_px(quads: list[Pixels], grid: AprilGrid) -> float:
     """Return the usual side of a cell of some tags, px."""
     sides = np.linalg.norm(np.array(quads) - np.roll(quads, 1, axis=1), axis=-1)
     return float(np.median(sides.min(axis=1))) / cells_along(grid)
-
-
-def _why_not(
-    grey: GreyPicture, seen: SeenTags, grid: AprilGrid, settings: DetectSettings
-) -> tuple[Refusal, str]:
-    """Return why no tags place the grid, and a sentence on those that are read."""
-    if grid.corner_squares:
-        bare = tags_in_place(read_bare_tags(grey, grid, settings), grid, settings.corner)
-        if has_corner_squares(grey, grid, bare) is False:
-            return Refusal.CORNER_SQUARES, _HAS_NONE
-    if len(seen.number) == 0:
-        return Refusal.NO_MARKERS, ""
-    last = grid.first_id + grid.tag_count - 1
-    numbers, detail = set(seen.number.tolist()), _ids(seen, grid)
-    own = sum(grid.first_id <= number <= last for number in numbers)
-    if own <= len(numbers) - own:
-        return Refusal.OTHER_IDS, detail
-    return (Refusal.MARKERS_UNREADABLE if own == 1 else Refusal.OTHER_BOARD), detail
-
-
-def _ids(seen: SeenTags, grid: AprilGrid) -> str:
-    """Return a sentence on the tags that are read, and those of the grid."""
-    last = grid.first_id + grid.tag_count - 1
-    return ids_read("Tag", sorted(set(seen.number.tolist())), str(grid.dictionary), (grid.first_id, last))
 
 
 def _is_smooth(index: DotIndices, seen: Pixels, settings: DetectSettings) -> bool:

@@ -5,14 +5,16 @@ import numpy as np
 from labcal.detect.corners.board_by_codes import corners_by_codes
 from labcal.detect.corners.corner_agreement import without_disagreeing
 from labcal.detect.corners.corners import Corners, measured_corners, spans_a_plane
-from labcal.detect.corners.marker_places import SeenMarkers, corners_beside, markers_in_place, seen_markers
-from labcal.detect.corners.markers_elsewhere import why_not_in_place
+from labcal.detect.corners.marker_places import PlacedMarkers, corners_beside, markers_in_place
+from labcal.detect.corners.markers_elsewhere import ids_read_again, why_not_in_place
 from labcal.detect.corners.picture_corners import picture_corners, refused_as_torn, square_px
 from labcal.detect.corners.printed_fits import printed_corners
+from labcal.detect.corners.seen_markers import SeenMarkers, seen_markers
 from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
+from labcal.detect.lattice.rough_undistortion import fisheyes
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -43,11 +45,14 @@ def detect_charuco(grey: GreyPicture, board: CharucoBoard, settings: DetectSetti
     PictureDots
         Without outlines; a corner that is known by its markers and cannot be measured, or that is not where
         the others predict it, is flagged ``bad-fit``, or ``cut`` at the frame. Refused where no two markers
-        are read in the board's places, where fewer than four corners, or corners of one line only, are
-        measured, and where they lie on no smooth surface.
+        are read in the board's places, or the same ones at two places; where fewer than four corners, or
+        corners of one line only, are measured; and where they lie on no smooth surface.
     """
     seen = _read(grey, board, settings.corner)
-    placed = markers_in_place(seen, board, settings.corner)
+    placed = _placed(seen, grey, board, settings)
+    if placed.again:
+        why = Refusal.AMBIGUOUS_MARKERS, ids_read_again("Marker", placed.again)
+        return picture_corners(Corners.none(), grey, None, settings).refused(*why)
     further: set[tuple[int, int]] = set()
     if len(placed.number):
         rough = corners_beside(placed, board)
@@ -97,7 +102,15 @@ def _in_a_mirror(grey: GreyPicture, board: CharucoBoard, settings: DetectSetting
     """Tell whether markers place the board in a mirrored picture."""
     mirrored = np.ascontiguousarray(grey[:, ::-1])
     seen = _read(mirrored, board, settings.corner)
-    return len(markers_in_place(seen, board, settings.corner).number) > 0
+    return len(_placed(seen, grey, board, settings).number) > 0
+
+
+def _placed(
+    seen: SeenMarkers, grey: GreyPicture, board: CharucoBoard, settings: DetectSettings
+) -> PlacedMarkers:
+    """Return the markers in place, also through wide lenses."""
+    lenses = fisheyes((grey.shape[1], grey.shape[0]), settings.grid.fisheye_fields_deg)
+    return markers_in_place(seen, board, settings.corner, lenses)
 
 
 def _read(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings) -> SeenMarkers:

@@ -57,6 +57,8 @@ class Refusal(StrEnum):
     """No coded dot of the target is read."""
     MARKERS_UNREADABLE = "markers-unreadable"
     """A marker or more are read, but not the two or more that place the board."""
+    AMBIGUOUS_MARKERS = "ambiguous-markers"
+    """The same markers are read at two places, where the target has them each time."""
     OTHER_IDS = "other-ids"
     """Markers or coded dots are read, but most have ids that the target has not."""
     TORN_CORNERS = "torn-corners"
@@ -65,6 +67,8 @@ class Refusal(StrEnum):
     """Markers or coded dots are read, but not where the target has them."""
     CORNER_SQUARES = "corner-squares"
     """Tags of an AprilGrid are in place; small squares at their corners are not as the target has them."""
+    BORDER_CELLS = "border-cells"
+    """Tags of an AprilGrid are in place, but with another black border than the target has."""
     NO_CHESSBOARD = "no-chessboard"
     """No corners of squares are seen, or they form no board."""
     BOARD_IN_PART = "board-in-part"
@@ -132,6 +136,10 @@ _ADVICE = {
         "Two markers or more, near to each other, must be read to place the board. Check that its codes are "
         "clean, sharp and at least 15 px across, and that glare or dirt does not cover them."
     ),
+    Refusal.AMBIGUOUS_MARKERS: (
+        "The board is seen twice. Show one print of it only: cover the other one, or take it out of the "
+        "picture."
+    ),
     Refusal.OTHER_IDS: (
         "The target does not have these ids. Name the board that is in the picture, or state the id of "
         "its first marker, first_id (of coded dots first_mark), in the target's description."
@@ -159,6 +167,9 @@ _ADVICE = {
     Refusal.CORNER_SQUARES: (
         "Set `corner_squares:` in the target as the print is, and check that it is the target's: prints of "
         "Kalibr's have small black squares at the corners of their tags."
+    ),
+    Refusal.BORDER_CELLS: (
+        "Set `border_cells:` in the target as the print is: 2 on prints of Kalibr's, 1 on most others."
     ),
     Refusal.OTHER_CHESSBOARD: (
         "A chessboard was found that is not the target's. Check its numbers of inner corners (squares less "

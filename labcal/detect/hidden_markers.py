@@ -7,7 +7,7 @@ one. Beside a board whose ids are known it says nothing.
 import cv2
 import numpy as np
 
-from labcal.detect.corners.marker_places import seen_markers
+from labcal.detect.corners.seen_markers import seen_markers
 from labcal.detect.grey import GreyPicture
 from labcal.detect.settings import DetectSettings
 from labcal.targets.board_set import BoardSet

@@ -2,7 +2,8 @@
 
 from itertools import pairwise
 
-from labcal.detect.corners.marker_places import SeenMarkers, markers_in_place
+from labcal.detect.corners.marker_places import markers_in_place
+from labcal.detect.corners.seen_markers import SeenMarkers
 from labcal.detect.flags import Refusal
 from labcal.detect.stage_settings.corner import CornerSettings
 from labcal.targets.charuco import CharucoBoard
@@ -30,6 +31,8 @@ def why_not_in_place(seen: SeenMarkers, board: CharucoBoard, settings: CornerSet
     if first is not None:
         return Refusal.OTHER_IDS, f"{detail} They fit the board with first_id: {first}."
     own = len(seen.on(board).number)
+    if own == 0 and len(numbers) == 1:
+        return Refusal.NO_MARKERS, f"{detail} One marker alone may be read by chance."
     if own < len(seen.number) - own:
         return Refusal.OTHER_IDS, detail
     if own >= settings.other_board_markers:
@@ -77,6 +80,18 @@ def ids_read(noun: str, numbers: list[int], dictionary: str, own: tuple[int, int
     if len(numbers) > 1:
         words = f"{noun}s {_ranges(numbers)} of {dictionary} were"
     return f"{words} read; the target has {own[0]} to {own[1]}."
+
+
+def ids_read_again(noun: str, numbers: list[int]) -> str:
+    """Return a sentence on ids, sorted, that were read at two places.
+
+    Parameters
+    ----------
+    noun : str
+        Of one of them.
+    numbers : list of int
+    """
+    return f"{noun}s {_ranges(numbers)} were read twice, at different places."
 
 
 def _ranges(numbers: list[int]) -> str:

@@ -9,7 +9,7 @@ from labcal.detect.corners.corner_fit import SettledCorner
 from labcal.detect.corners.corners import Corners, Standard
 from labcal.detect.corners.node_grid import NodeGrid, median_around
 from labcal.detect.corners.roughest import roughest_clear
-from labcal.detect.corners.tag_places import next_tag
+from labcal.detect.corners.tag_places import PlacedTags, next_tag
 from labcal.detect.corners.tag_saddle import TagSaddle, fit_tag_saddle
 from labcal.detect.corners.tag_wider_fits import wider_tag_fits
 from labcal.detect.grey import GreyPicture
@@ -27,7 +27,7 @@ _ROUGH_CORNERS = 3
 
 
 def measured_tags(
-    grey: GreyPicture, grid: AprilGrid, placed: dict[int, Pixels], settings: CornerSettings
+    grey: GreyPicture, grid: AprilGrid, placed: PlacedTags, settings: CornerSettings
 ) -> Corners:
     """Fit the corners of the tags in place, and of those beside them that can be found.
 
@@ -39,8 +39,8 @@ def measured_tags(
     grey : ndarray, shape (h, w)
         The picture.
     grid : AprilGrid
-    placed : dict of int to ndarray, shape (4, 2)
-        Corners of the tags that are read, px, by number, anticlockwise from the lower left one.
+    placed : PlacedTags
+        The tags that are read.
     settings : CornerSettings
 
     Returns
@@ -49,12 +49,12 @@ def measured_tags(
         All of the tags that are read, without a fit where one is not measured; of the others those that are.
     """
     search = _Search.of(grey, grid, settings)
-    first = {number: search.fits(number, quad) for number, quad in placed.items()}
+    first = {number: search.fits(number, quad) for number, quad in placed.corners.items()}
     standard = Standard.of([fit for four in first.values() for fit in four])
     first = {number: [standard.met_by(fit, settings) for fit in four] for number, four in first.items()}
-    places = {number: _refined(quad, first[number]) for number, quad in placed.items()}
-    seen, tried = dict(placed), set(placed)
-    while (expected := next_tag(places, grid, tried)) is not None:
+    places = {number: _refined(quad, first[number]) for number, quad in placed.corners.items()}
+    seen, tried = dict(placed.corners), set(placed.corners)
+    while (expected := next_tag(replace(placed, corners=places), grid, tried)) is not None:
         number, quad = expected
         tried.add(number)
         side = float(np.linalg.norm(quad - np.roll(quad, 1, axis=0), axis=1).min())
@@ -71,7 +71,7 @@ def measured_tags(
         _node(number, corner, grid): (number, corner, fit)
         for number, four in first.items()
         for corner, fit in enumerate(four)
-        if fit is not None or number in placed
+        if fit is not None or number in placed.corners
     }
     fits = {node: fit for node, (_, _, fit) in nodes.items() if fit is not None}
     saddles = {
@@ -90,7 +90,7 @@ def measured_tags(
         found,
     )
     clear = _clear(corners, settings)
-    kept = [ok or number in placed for ok, (number, _, _) in zip(clear, nodes.values(), strict=True)]
+    kept = [ok or number in placed.corners for ok, (number, _, _) in zip(clear, nodes.values(), strict=True)]
     fits_of_clear = [fit if ok else None for fit, ok in zip(found, clear, strict=True)]
     return replace(corners, fits=fits_of_clear).select(np.flatnonzero(kept))
 

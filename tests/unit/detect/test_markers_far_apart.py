@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from labcal.detect.corners.marker_places import SeenMarkers, _on_board, markers_in_place
+from labcal.detect.corners.marker_places import _on_board, markers_in_place
+from labcal.detect.corners.seen_markers import SeenMarkers
 from labcal.detect.settings import DEFAULTS
 from labcal.targets.charuco import CharucoBoard, MarkerDictionary
 
