@@ -1,5 +1,6 @@
 """Corners of large squares whose edges a lens bends."""
 
+import cv2
 import numpy as np
 import pytest
 from scipy.special import erf
@@ -38,25 +39,25 @@ def pinhole(places: np.ndarray, distance: float = 9.0, focal: float = 900.0) -> 
     return CENTRE + focal * np.stack([x / z, y / z], axis=1)
 
 
-def on_board(distance: float, focal: float) -> tuple[np.ndarray, np.ndarray]:
+def on_board(to_rays: np.ndarray, focal: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the places on the board that the pixels of a fisheye's picture show, shape (h, w) each."""
     x, y = (grid - c for grid, c in zip(np.meshgrid(*map(np.arange, SIZE)), CENTRE, strict=True))
     radius = np.maximum(np.hypot(x, y), 1e-9)
     rays = np.stack([x, y, radius / np.tan(radius / focal)], axis=-1)
-    a, b, w = np.moveaxis(rays @ np.linalg.inv(plane(distance)).T, -1, 0)
+    a, b, w = np.moveaxis(rays @ np.linalg.inv(to_rays).T, -1, 0)
     return a / w, b / w
 
 
-def drawn(distance: float, focal: float, seed: int) -> np.ndarray:
+def drawn(to_rays: np.ndarray, focal: float, seed: int) -> np.ndarray:
     """Return a fisheye's picture of the board: every edge blurred across, as it runs there."""
     profiles = []
-    for place, last in zip(on_board(distance, focal), (COLS, ROWS), strict=True):
+    for place, last in zip(on_board(to_rays, focal), (COLS, ROWS), strict=True):
         down, across = np.gradient(place)
         line = np.clip(np.round(place), 0, last - 1)
         away = (place - line) / np.hypot(across, down)
         profiles.append(np.where(line % 2 == 0, 1.0, -1.0) * erf(away / (BLUR * np.sqrt(2.0))))
     light = 118.0 + 92.0 * profiles[0] * profiles[1]
-    for place, last in zip(on_board(distance, focal), (COLS, ROWS), strict=True):
+    for place, last in zip(on_board(to_rays, focal), (COLS, ROWS), strict=True):
         light[(place < -1.0) | (place > last)] = 210.0
     noise = np.random.default_rng(seed).normal(0.0, 1.5, light.shape)
     return np.clip(np.round(light + noise), 0, 255).astype(np.uint8)
@@ -66,7 +67,7 @@ def test_corners_of_large_squares_behind_a_fisheye_are_as_exact_as_they_state() 
     board = Chessboard(
         kind="chessboard", name="board", cols=COLS, rows=ROWS, square_mm=25.0, lower_left="white"
     )
-    dots = detect_dots(drawn(4.8, 420.0, 0), board)
+    dots = detect_dots(drawn(plane(4.8), 420.0, 0), board)
     assert dots.ok.sum() == COLS * ROWS
     off = dots.position - fisheye(dots.index.astype(np.float64))
     squares = np.einsum("ni,nij,nj->n", off, np.linalg.inv(dots.covariance), off)
@@ -74,6 +75,18 @@ def test_corners_of_large_squares_behind_a_fisheye_are_as_exact_as_they_state() 
     assert np.sqrt((off**2).mean()) < 0.004
     assert 0.5 < squares.mean() / 2.0 < 1.4
     assert np.sqrt(eigenvalues(dots.covariance).mean()) < 0.004
+
+
+def test_a_tilted_board_behind_a_fisheye_is_seen_whole() -> None:
+    """Its squares shrink by a fifth from row to row, towards the frame."""
+    turn = cv2.Rodrigues(np.array([0.0, 0.0, 0.506]))[0] @ cv2.Rodrigues(np.array([0.559, 0.419, 0.0]))[0]
+    turn = turn @ np.diag([1.0, -1.0, -1.0])
+    middle = np.array([0.0, 0.0, 4.8]) - turn @ np.array([3.48, 2.0, 0.0])
+    board = Chessboard(
+        kind="chessboard", name="board", cols=COLS, rows=ROWS, square_mm=25.0, lower_left="white"
+    )
+    picture = drawn(np.column_stack([turn[:, 0], turn[:, 1], middle]), 420.0, 0)
+    assert detect_dots(picture, board).ok.sum() == COLS * ROWS
 
 
 @pytest.mark.parametrize("noise", [0.02, 0.0])
