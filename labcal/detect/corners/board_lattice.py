@@ -116,6 +116,6 @@ def _drop_wrong_colours(grid: np.ndarray, saddles: Saddles) -> np.ndarray:
     a, b = np.indices(grid.shape)
     phase = lattice_colours(grid, saddles) * np.where((a + b) % 2 == 0, 1, -1)
     wrong = (phase != 0) & (phase != np.sign(phase.sum()))
-    dropped = grid[wrong]
+    dropped = np.asarray(grid[wrong])
     grid[wrong] = -1
     return dropped
