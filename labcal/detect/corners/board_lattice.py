@@ -54,8 +54,12 @@ def find_board_lattices(
         usable = free & (saddles.step > settings.saddle.min_step_share * faintest[i])
         usable[[i, *arms[i]]] = False
         grow(grid, flat, saddles.step, usable, limits)
+        if len(dropped := _drop_wrong_colours(grid, saddles)) > 0:
+            # Behind a fisheye tilted squares shrink so fast that few nodes predict the line after next.
+            usable[dropped] = True
+            grow(grid, flat, saddles.step, usable, limits)
+            _drop_wrong_colours(grid, saddles)
         grid = _cropped(grid)
-        _drop_wrong_colours(grid, saddles)
         drop_inconsistent(grid, flat, limits)
         keep_largest_part(grid, settings.grid.part_gap_nodes)
         spots = {(int(a), int(b)): int(grid[a, b]) for a, b in np.argwhere(grid >= 0)}
@@ -74,8 +78,10 @@ def _crosses(saddles: Saddles, settings: DetectSettings) -> tuple[np.ndarray, np
 
 
 def _cropped(grid: np.ndarray) -> np.ndarray:
-    """Return the part of a grid that holds spots."""
+    """Return the part of a grid that holds spots; one empty node if there are none."""
     nodes = np.argwhere(grid >= 0)
+    if len(nodes) == 0:
+        return np.full((1, 1), -1)
     low, high = nodes.min(axis=0), nodes.max(axis=0)
     return np.ascontiguousarray(grid[low[0] : high[0] + 1, low[1] : high[1] + 1])
 
@@ -105,8 +111,11 @@ def lattice_colours(grid: np.ndarray, saddles: Saddles) -> np.ndarray:
     return colours
 
 
-def _drop_wrong_colours(grid: np.ndarray, saddles: Saddles) -> None:
-    """Take out, in place, the nodes whose colours do not alternate with those of most others."""
+def _drop_wrong_colours(grid: np.ndarray, saddles: Saddles) -> np.ndarray:
+    """Take out, in place, and return the nodes whose colours do not alternate with those of most others."""
     a, b = np.indices(grid.shape)
     phase = lattice_colours(grid, saddles) * np.where((a + b) % 2 == 0, 1, -1)
-    grid[(phase != 0) & (phase != np.sign(phase.sum()))] = -1
+    wrong = (phase != 0) & (phase != np.sign(phase.sum()))
+    dropped = np.asarray(grid[wrong])
+    grid[wrong] = -1
+    return dropped

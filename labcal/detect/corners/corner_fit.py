@@ -98,7 +98,9 @@ def fit_corners(grey: GreyPicture, places: Places, settings: CornerSettings) -> 
     return _settled_corners(fits, range(len(fits.ok)), places, PARAMETERS)
 
 
-def widen(grey: GreyPicture, places: Places, first: np.ndarray, settings: CornerSettings) -> Round:
+def widen(
+    grey: GreyPicture, places: Places, begin: tuple[np.ndarray, np.ndarray], settings: CornerSettings
+) -> Round:
     """Fit the same to other pixels, those along the edges, from the states of first fits on.
 
     Parameters
@@ -107,8 +109,9 @@ def widen(grey: GreyPicture, places: Places, first: np.ndarray, settings: Corner
         The picture.
     places : Places
         With the corners of the first fits as their centres.
-    first : ndarray, shape (n, PARAMETERS)
-        The first fits' states.
+    begin : (ndarray, ndarray)
+        The first fits' states (n, PARAMETERS), and the runs of the edges by a lens (n, 2, 7), see
+        :func:`~labcal.detect.corners.lens_edges.edge_runs`.
     settings : CornerSettings
 
     Returns
@@ -116,7 +119,7 @@ def widen(grey: GreyPicture, places: Places, first: np.ndarray, settings: Corner
     Round
         A fit that leaves the first one by more than either may be off is none.
     """
-    return wide_fits(grey, places, first, (settings.limits(WiderLimits), settings.limits(FitLimits)))
+    return wide_fits(grey, places, begin, (settings.limits(WiderLimits), settings.limits(FitLimits)))
 
 
 def widened_with_light(

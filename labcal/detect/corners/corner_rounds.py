@@ -27,6 +27,7 @@ from labcal.detect.corners.corner_window import (
 )
 from labcal.detect.corners.edge_waves import WAVES
 from labcal.detect.corners.first_fit import FirstLimits, first_fit, leaves_out_clipped
+from labcal.detect.corners.lens_edges import straighten
 from labcal.detect.edges.residuals import LAGS, SUMS
 
 
@@ -82,9 +83,16 @@ def first_fits(grey: np.ndarray, places: Places, limits: tuple[FirstLimits, FitL
 
 @compiled
 def wide_fits(
-    grey: np.ndarray, places: Places, first: np.ndarray, limits: tuple[WiderLimits, FitLimits]
+    grey: np.ndarray,
+    places: Places,
+    begin: tuple[np.ndarray, np.ndarray],
+    limits: tuple[WiderLimits, FitLimits],
 ) -> Round:
-    """Return the second fits of corners, from the states of the first ones (n, PARAMETERS) on."""
+    """Return the second fits of corners, from the states of the first ones (n, PARAMETERS) on.
+
+    `begin` holds these, and the runs of the edges by a lens (n, 2, 7).
+    """
+    first, runs = begin
     centres, axes, bends, around = places.centre, places.axes, places.bend, places.limits
     own, newton = limits
     n = len(centres)
@@ -102,6 +110,7 @@ def wide_fits(
         if not leaves_out_clipped(state, newton):
             here = with_clipped(here)
         mask, offset, value, gap = window_arrays(grey, (centres[k], axes[k]), here, guard)
+        straighten(offset, runs[k])
         mask, offset, value = near_edges((mask, offset, value), state, own.edge_blurs)
         windows.append((mask, offset, value, gap))
         if len(value) < own.min_pixels:

@@ -11,7 +11,7 @@ _NEAR = (1, 2, 4)
 """Nodes to either side whose curvatures have one median, against the corners' noise: the nearest known."""
 
 
-def edge_bends(places: np.ndarray) -> np.ndarray:
+def edge_bends(places: np.ndarray, by_lens: np.ndarray | None = None) -> np.ndarray:
     """Return vectors of curvature of the edges along x and along y at corners, 1/px, shape (a, b, 2, 2).
 
     Three corners of a line determine how it bends at the middle one: the second divided difference of their
@@ -22,8 +22,11 @@ def edge_bends(places: np.ndarray) -> np.ndarray:
     ----------
     places : ndarray, shape (a, b, 2)
         Measured corners, px, by column and row; NaN where there is none.
+    by_lens : ndarray, shape (a, b, 2), optional
+        The same as a lens shows them. The curvature is then what is left of that of the measured ones.
     """
-    return _smooth(_bends(np.ascontiguousarray(places)))
+    bends = _bends(np.ascontiguousarray(places))
+    return _smooth(bends if by_lens is None else bends - _bends(np.ascontiguousarray(by_lens)))
 
 
 def across_edges(bends: np.ndarray, states: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from labcal.detect.corners.corner_fit import SettledCorner
 from labcal.detect.corners.corner_judgement import CornerFit, JudgementLimits, judged_rows
 from labcal.detect.corners.corner_kernel import PARAMETERS, FitLimits
 from labcal.detect.corners.corner_model import CornerPixels
+from labcal.detect.corners.lens_maps import moved_beyond
 from labcal.detect.corners.printed_kernel import (
     FREE,
     ROWS,
@@ -72,7 +73,7 @@ class PrintedCorner(SettledCorner):
 def fit_print(
     grey: GreyPicture,
     first: SettledCorner,
-    place: tuple[LocalMap, np.ndarray],
+    place: tuple[LocalMap, np.ndarray, np.ndarray],
     print_: tuple[PrintLines, float],
     settings: CornerSettings,
     roughest: float = np.inf,
@@ -89,8 +90,8 @@ def fit_print(
         The picture.
     first : SettledCorner
         A fit that is near, with the slope of the light.
-    place : (LocalMap, ndarray)
-        The map, and the information on it (10, 10).
+    place : (LocalMap, ndarray, ndarray)
+        The map, the information on it (10, 10), and what a lens adds to it (2, 11).
     print_ : (PrintLines, float)
         And the c of its :mod:`~labcal.detect.corners.tone_curve`.
     settings : CornerSettings
@@ -107,6 +108,8 @@ def fit_print(
     mask, offset, value = print_pixels(
         grey, centre, around, (settings.wide_reach_squares, settings.max_reach_px)
     )
+    if place[2].any():
+        offset = moved_beyond(offset, place[2])
     state = np.concatenate([np.zeros(2), np.arctan2(M[:, 1], M[:, 0]), first.state[4:PARAMETERS], [tone]])
     whole = roughest == np.inf
     if not whole:

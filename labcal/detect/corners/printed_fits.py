@@ -93,7 +93,7 @@ def _by_print(
     clear = roughness <= _ROUGHEST * float(np.median(roughness)) + _ROUGHEST_SHARE
     if spans_a_plane(np.array(nodes, dtype=np.int64)[clear]):
         sigma[~clear] = np.inf  # covered in part: such a corner may be off by a pixel
-    grid, maps = NodeGrid.of(nodes), local_maps(nodes, places, sigma, float(max(grey.shape)))
+    grid, maps = NodeGrid.of(nodes), local_maps(nodes, places, sigma, (grey.shape[1], grey.shape[0]))
     white = np.array([fit.state[6] + fit.state[7] for fit in fits.values()])
     slopes = light_slopes(grid, places, np.where(white > 0.0, white, np.nan), (_LIGHT_NODES, _FEWEST))
     found, places_on = {}, {}
@@ -105,7 +105,7 @@ def _by_print(
         first = fits[nodes[k]]
         state = np.concatenate([first.state[:8], slopes[k]])
         begin = replace(first, state=state)
-        places_on[nodes[k]] = begin, (around, maps.information[k])
+        places_on[nodes[k]] = begin, (around, maps.information[k], maps.beyond[k])
         printed = fit_print(grey, *places_on[nodes[k]], print_, settings)
         if printed is not None:
             found[nodes[k]] = printed

@@ -4,11 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
+from labcal.detect.corners.board_lens import board_lens
 from labcal.detect.corners.corner_fit import SettledCorner, centres_of, widen, widened_with_light
 from labcal.detect.corners.corner_rounds import Round
 from labcal.detect.corners.corner_window import Places
 from labcal.detect.corners.edge_bends import across_edges, edge_bends
 from labcal.detect.corners.known_light import light_slopes
+from labcal.detect.corners.lens_edges import edge_runs, no_runs, run_bends
 from labcal.detect.corners.node_grid import NodeGrid, ahead, behind, median_around
 from labcal.detect.corners.roughest import roughest_clear
 from labcal.detect.grey import GreyPicture
@@ -60,7 +62,12 @@ def wider_fits(
     grid, centres = NodeGrid.of(nodes), centres_of(list(fits.values()))
     states = np.array([fit.state for fit in fits.values()])
     spread = grid.spread(centres)
-    bends = across_edges(edge_bends(spread)[grid.at], states)
+    size = grey.shape[1], grey.shape[0]
+    lens = board_lens(grid.nodes, centres, size)
+    by_lens = None if lens is None else lens.in_picture(grid.nodes, centres)
+    bends = across_edges(
+        edge_bends(spread, None if by_lens is None else grid.spread(by_lens))[grid.at], states
+    )
     steps = _steps(spread)[grid.at]
     if np.isnan(steps).any():
         steps = np.where(np.isnan(steps), usual(), steps)
@@ -71,13 +78,22 @@ def wider_fits(
     final = {node: fits[node] for node, is_known in zip(nodes, determined, strict=True) if not is_known}
     if not determined.any():
         return final
-    wide = widen(grey, near, states[determined], settings)
+    runs, reach = no_runs(len(near.centre)), (settings.wide_reach_squares, settings.max_reach_px)
+    if lens is not None:
+        runs = edge_runs(lens, grid.nodes[determined], near.centre, reach)
+    wide = widen(grey, near, (states[determined], runs), settings)
     kept = _clear(wide, grid.nodes[determined], settings.clear_roughness_factor)
     if len(kept) == 0:
         return final
     inner, some = NodeGrid(grid.nodes[determined][kept]), np.array(nodes)[determined][kept].tolist()
     states, centres = wide.states[kept], centres[determined][kept] + wide.states[kept, :2]
-    bends = across_edges(edge_bends(inner.spread(centres))[inner.at], states)
+    curved = edge_bends(inner.spread(centres))[inner.at]
+    final_lens = board_lens(inner.nodes, centres, size) or lens
+    if final_lens is not None:
+        by_lens = final_lens.in_picture(inner.nodes, centres)
+        curved = edge_bends(inner.spread(centres), inner.spread(by_lens))[inner.at]
+        curved += run_bends(edge_runs(final_lens, inner.nodes, by_lens, reach)) - run_bends(runs[kept])
+    bends = across_edges(curved, states)
     white = np.maximum(states[:, 6] + states[:, 7], _DARKEST)
     slopes = light_slopes(inner, centres, white, (_LIGHT_NODES, _FEWEST))
     known = np.isfinite(bends).all(axis=1) & np.isfinite(slopes).all(axis=1)

@@ -390,7 +390,7 @@ def test_maps_around_corners_follow_a_lens_and_perspective() -> None:
     p = BOARD.points()
     q, _ = cv2.projectPoints(p, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], K, DIST)
     nodes = [(int(i), int(j)) for i, j in BOARD.indices()]
-    maps = local_maps(nodes, q.reshape(-1, 2), np.full(len(p), 0.01), float(max(SIZE)))
+    maps = local_maps(nodes, q.reshape(-1, 2), np.full(len(p), 0.01), SIZE)
     assert maps.known.all()
     for k, node in enumerate(nodes):
         away = 0.3 * BOARD.square_mm * np.array([1.0, -1.0, 0.0])
