@@ -18,6 +18,8 @@ _SEEDS = 12
 """Markers with which the search for those that agree begins, spread over those that are seen."""
 _SPARSER = 3
 """Of the seeds, one in so many is tried through each lens: through the right one, hardly any is in vain."""
+_LEAST_THROUGH_LENS = 4
+"""Markers: some lens takes two that are far apart to each other's places."""
 _LEAST_APART = 4
 """Markers that one homography takes to their places, and that are too far apart to predict each other."""
 _APART = 0.6
@@ -48,8 +50,9 @@ def markers_that_agree(
 ) -> AgreeingMarkers:
     """Return the largest set of markers that agree, by their corners.
 
-    Evidence are two markers or more, and at least half of the ids. A homography goes on straight from large
-    markers to the next ones, which a fisheye bends: where not all ids agree, lenses are tried.
+    Evidence are two markers or more, through a wide lens four, and at least half of the ids. A homography
+    goes on straight from large markers to the next ones, which a fisheye bends: where not all ids agree,
+    lenses are tried.
 
     Parameters
     ----------
@@ -70,7 +73,8 @@ def markers_that_agree(
         seeds = best.which[:1] if _is_evidence(best.which, ids) else every[::_SPARSER]
         for lens in lenses:
             found = _largest(seeds, seen, on_board, limit_squares, lens)
-            best = AgreeingMarkers(found, lens) if len(found) > len(best.which) else best
+            if len(found) > max(len(best.which), _LEAST_THROUGH_LENS - 1):
+                best = AgreeingMarkers(found, lens)
             if len(best.which) == ids:
                 break
     if _is_evidence(best.which, ids):

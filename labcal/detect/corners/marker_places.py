@@ -44,12 +44,12 @@ class PlacedMarkers:
 
     @property
     def number(self) -> Int64[np.ndarray, " n"]:
-        """Their ids."""
+        """Ids of them."""
         return self.seen.number
 
     @property
     def corners(self) -> Float64[np.ndarray, "n 4 2"]:
-        """Where their corners are, px."""
+        """Places of their corners, px."""
         return self.seen.corners
 
 
