@@ -42,6 +42,9 @@ def browser() -> Iterator[Any]:
         _missing("there is no Chromium: apt-get install chromium")
     with sync_playwright() as playwright:
         running = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])  # of root's
+        first = running.new_page()  # its processes start with it, which no page of ours is to wait for
+        first.goto("about:blank")
+        first.close()
         yield running
         running.close()
 

@@ -97,7 +97,7 @@ def test_hidden_dots_within_the_grid_leave_the_others_their_ids(make_board: Make
 def test_two_equal_boards_are_refused(make_board: MakeBoard) -> None:
     board = make_board(PLAIN, **WHOLE | {"distance": 500.0})
     picture = np.concatenate([board.draw(), replace(board, seed=2).draw()], axis=1)
-    assert detect_dots(as_bytes(picture), PLAIN).refusal is Refusal.AMBIGUOUS
+    assert detect_dots(as_bytes(picture), PLAIN).refusal is Refusal.SEVERAL_TARGETS
 
 
 def test_pitches_that_nearly_agree_leave_a_quarter_turn_open(make_board: MakeBoard) -> None:
