@@ -25,7 +25,7 @@ from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
-from labcal.detect.lattice.rough_undistortion import RoughUndistortion, fisheyes
+from labcal.detect.lattice.rough_undistortion import fisheyes_of
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
 from labcal.geometry.two_by_two import determinants
@@ -75,7 +75,7 @@ def detect_april_grid(grey: GreyPicture, grid: AprilGrid, settings: DetectSettin
         seen, placed = _placed(grey, grid, settings)
     else:
         seen = read_bare_tags(grey, grid, settings)
-        placed = tags_in_place(seen, grid, settings.corner, _lenses(grey, settings))
+        placed = tags_in_place(seen, grid, settings.corner, fisheyes_of(grey, settings.grid))
     other = _another(grey, seen, placed, grid)
     if other is not None:
         return _refused(grey, other, settings)
@@ -139,7 +139,7 @@ def _placed(grey: GreyPicture, grid: AprilGrid, settings: DetectSettings) -> tup
     Where few are in place, and their cells are small, the picture is enlarged.
     """
     seen, best = SeenTags(np.zeros(0, dtype=np.int64), np.zeros((0, 4, 2))), PlacedTags({})
-    lenses = _lenses(grey, settings)
+    lenses = fisheyes_of(grey, settings.grid)
     levels: Iterator[Reduced | Enlarged] = chain(reduced_pictures(grey, settings), _enlarged(grey, settings))
     for level in levels:
         if (
@@ -157,11 +157,6 @@ def _placed(grey: GreyPicture, grid: AprilGrid, settings: DetectSettings) -> tup
         if len(best) >= _ENOUGH * grid.tag_count:
             break
     return seen, best
-
-
-def _lenses(grey: GreyPicture, settings: DetectSettings) -> list[RoughUndistortion]:
-    """Return the wide lenses that are tried."""
-    return fisheyes((grey.shape[1], grey.shape[0]), settings.grid.fisheye_fields_deg)
 
 
 def _enlarged(grey: GreyPicture, settings: DetectSettings) -> Iterator[Enlarged]:

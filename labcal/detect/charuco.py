@@ -14,7 +14,7 @@ from labcal.detect.dots import PictureDots
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
 from labcal.detect.lattice.lattice import Lattice
-from labcal.detect.lattice.rough_undistortion import fisheyes
+from labcal.detect.lattice.rough_undistortion import fisheyes_of
 from labcal.detect.lattice.smoothness import is_smooth
 from labcal.detect.settings import DetectSettings
 from labcal.detect.stage_settings.corner import CornerSettings
@@ -109,8 +109,7 @@ def _placed(
     seen: SeenMarkers, grey: GreyPicture, board: CharucoBoard, settings: DetectSettings
 ) -> PlacedMarkers:
     """Return the markers in place, also through wide lenses."""
-    lenses = fisheyes((grey.shape[1], grey.shape[0]), settings.grid.fisheye_fields_deg)
-    return markers_in_place(seen, board, settings.corner, lenses)
+    return markers_in_place(seen, board, settings.corner, fisheyes_of(grey, settings.grid))
 
 
 def _read(grey: GreyPicture, board: CharucoBoard, settings: CornerSettings) -> SeenMarkers:

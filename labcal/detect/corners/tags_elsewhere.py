@@ -11,7 +11,7 @@ from labcal.detect.corners.tag_codes import SeenTags, read_tags
 from labcal.detect.corners.tag_places import PlacedTags, tags_in_place
 from labcal.detect.flags import Refusal
 from labcal.detect.grey import GreyPicture
-from labcal.detect.lattice.rough_undistortion import fisheyes
+from labcal.detect.lattice.rough_undistortion import fisheyes_of
 from labcal.detect.settings import DetectSettings
 from labcal.targets.april_grid import AprilGrid
 from labcal.targets.charuco import MarkerDictionary
@@ -74,8 +74,7 @@ def ids_of_tags(seen: SeenTags, grid: AprilGrid) -> str:
 
 def _placed(seen: SeenTags, grey: GreyPicture, grid: AprilGrid, settings: DetectSettings) -> PlacedTags:
     """Return the tags in place, also through wide lenses."""
-    lenses = fisheyes((grey.shape[1], grey.shape[0]), settings.grid.fisheye_fields_deg)
-    return tags_in_place(seen, grid, settings.corner, lenses)
+    return tags_in_place(seen, grid, settings.corner, fisheyes_of(grey, settings.grid))
 
 
 def _other_print(grey: GreyPicture, grid: AprilGrid, settings: DetectSettings) -> tuple[Refusal, str] | None:

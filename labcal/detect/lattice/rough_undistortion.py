@@ -7,7 +7,9 @@ from math import inf
 import numpy as np
 
 from labcal.arrays import PixelCovariances, Pixels
+from labcal.detect.grey import GreyPicture
 from labcal.detect.outlines.outlines import Outlines
+from labcal.detect.stage_settings.grid import GridSettings
 
 _LIMIT = 1.3
 """Rad: beyond this angle to the axis a plane runs off; the map goes on straight."""
@@ -94,3 +96,8 @@ def fisheyes(size: tuple[int, int], fields_deg: Sequence[float]) -> list[RoughUn
     centre = (np.array(size, dtype=np.float64) - 1.0) / 2.0
     diagonal = float(np.hypot(*size))
     return [RoughUndistortion(centre, diagonal / float(np.radians(field))) for field in fields_deg]
+
+
+def fisheyes_of(grey: GreyPicture, settings: GridSettings) -> list[RoughUndistortion]:
+    """Return the fisheyes that are tried on a picture."""
+    return fisheyes((grey.shape[1], grey.shape[0]), settings.fisheye_fields_deg)
